@@ -15,6 +15,13 @@ pub fn complete(context: &mut Context<'_>, materials: &mut MaterialReader, condi
     if !context.missing.bodies {
         initial_densities(context);
     }
+    for material in &mut context.model.materials {
+        // *DENSITY is that of the solid; the elements contain its pores.
+        if let (Some(density), Some(compaction)) = (&mut material.density, &mut material.compaction) {
+            compaction.solid_density = *density;
+            *density *= 1.0 - compaction.porosity;
+        }
+    }
     derive::derive_resistances(context, materials);
     fit_rubber(context, materials);
     targets::check_free_surfaces(context);

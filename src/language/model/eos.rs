@@ -51,7 +51,10 @@ impl MaterialDefinition {
     pub fn bulk_modulus(&self, absolute_temperature: Option<f64>) -> Option<f64> {
         let density = self.density?;
         let modulus = match &self.eos.as_ref()?.kind {
-            EosKind::UsUp([c, ..]) => density * c * c,
+            EosKind::UsUp([c, ..]) => {
+                let speed = self.compaction.map_or(*c, |compaction| compaction.speed);
+                density * speed * speed
+            }
             EosKind::Tabular(rows) => slope_at_reference(rows),
             EosKind::IdealGas([gas_constant, _]) => {
                 let &[[specific_heat, _]] = self.thermal.specific_heat.as_deref()? else { return None };
@@ -79,6 +82,13 @@ impl MaterialDefinition {
             // "Compressibility").
             let bulk = compressibility.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d);
             return Some(ElasticModuli { bulk, shear });
+        }
+        if let Some((constants, _)) = &self.strength.johnson_holmquist {
+            return Some(ElasticModuli { bulk: *constants.get(20)?, shear: *constants.get(1)? });
+        }
+        if let Some((card, _)) = &self.strength.holmquist_johnson_cook {
+            let [[shear, ..], [_, _, pressure, compression, ..], ..] = card.rows[..] else { return None };
+            return Some(ElasticModuli { bulk: pressure / compression, shear });
         }
         let bulk = self.bulk_modulus(absolute_temperature)?;
         Some(ElasticModuli { bulk, shear: self.shear_modulus.unwrap_or(0.0) })

@@ -3,7 +3,7 @@
 
 use super::builder::ModelBuilder;
 use super::types::{
-    FailedMaterial, FoamYieldSurface, MaterialDefinition, RayleighCoefficients, TensileFailure, ThermalExpansion,
+    FailedMaterial, FoamYieldSurface, MaterialDefinition, PoreCompaction, RayleighCoefficients, TensileFailure, ThermalExpansion,
 };
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
@@ -149,14 +149,19 @@ static READERS: &[CardReader] = readers! {
     "RESTART" => outputs::read_restart(context, steps);
     {
         cards::Viscosity => |material, values, span| material.viscosity = Some((values.viscosity[0], span));
+        cards::EosCompaction => |material, cards::EosCompaction { values: [speed, porosity, begin, end] }, span| {
+            let pressures = [begin, end];
+            material.compaction = Some(PoreCompaction { speed, porosity, pressures, solid_density: 0.0, span });
+        };
         cards::InelasticHeatFraction => |material, values, _| material.thermal.inelastic_heat_fraction = Some(values.fraction[0]);
         cards::SpecificHeat => |material, values, _| material.thermal.specific_heat = Some(values.rows);
         cards::Conductivity => |material, values, span| material.thermal.conductivity = Some((values.rows, span));
         cards::Expansion => |material, cards::Expansion { zero, rows }, span| {
             material.thermal.expansion = Some(ThermalExpansion { rows, zero, span });
         };
-        cards::TensileFailure => |material, cards::TensileFailure { deletes, cutoff: [cutoff] }, span| {
-            material.tensile_failure = Some(TensileFailure { cutoff, deletes, span });
+        cards::TensileFailure => |material, card, span| {
+            let cards::TensileFailure { deletes, loses_shear, loses_tension, cutoff: [cutoff] } = card;
+            material.tensile_failure = Some(TensileFailure { cutoff, deletes, loses_shear, loses_tension, span });
         };
         cards::FailedMaterial => |material, cards::FailedMaterial { values: [residual, crossings] }, span| {
             material.failed = Some(FailedMaterial { residual, crossings, span });

@@ -10,6 +10,7 @@ use super::same_bits::{
     AMBIENT, compacted, crushed, explosive, failing, gas, general, kinematic, lines, mooney, moving, ogden, staying,
     subroutine, table, tearing, us_up, user_eos, user_law,
 };
+use super::same_laws::{ceramic, concrete, impacted_concrete, porous, powder, sheet, soil, voids};
 use super::solid_groups::{HardeningLaw, MaterialVisitor, SolidMaterial};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::moduli::ElasticModuli;
@@ -18,6 +19,7 @@ use crate::kernel::stress::{mises, undamaged};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::hyperelastic::NeoHooke;
 use crate::material::increment::{StrainIncrement, StressUpdate};
+use crate::material::returns::ReturnMaterial;
 use crate::material::user::points::PointAccess;
 use crate::material::user::{BlockKinematics, CallTime};
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
@@ -55,7 +57,7 @@ macro_rules! laws {
 }
 
 use HardeningLaw::{Elastic, Failing, Kinematic, PiecewiseLinear, RateDependent, RateKinematic};
-use SolidMaterial::{DetailedPoint, Foam, Ogden, Point, Polynomial, UserFlow, UserStress, VonMises};
+use SolidMaterial::{DetailedPoint, Foam, Ogden, Point, Polynomial, Return, UserFlow, UserStress, VonMises};
 
 laws! {
     elastic: VonMises(Elastic(None), None);
@@ -63,6 +65,7 @@ laws! {
     elastic_us_up: VonMises(Elastic(None), Some(us_up()));
     elastic_table: VonMises(Elastic(None), Some(table()));
     elastic_explosive: VonMises(Elastic(None), Some(explosive()));
+    elastic_compaction: VonMises(Elastic(None), Some(porous()));
     elastic_user_eos: VonMises(Elastic(None), Some(user_eos()));
     tearing_elastic: VonMises(Elastic(Some(tearing())), None);
     tearing_us_up: VonMises(Elastic(Some(tearing())), Some(us_up()));
@@ -84,6 +87,13 @@ laws! {
     ogden_rubber: Ogden(ogden());
     volumetric_foam: Foam(compacted());
     isotropic_foam: Foam(crushed());
+    drucker_prager: Return(ReturnMaterial(Box::new(soil())));
+    johnson_holmquist: Return(ReturnMaterial(Box::new(ceramic())));
+    holmquist_johnson_cook: Return(ReturnMaterial(Box::new(impacted_concrete())));
+    concrete_damaged_plasticity: Return(ReturnMaterial(Box::new(concrete())));
+    cap_plasticity: Return(ReturnMaterial(Box::new(powder())));
+    hill_potential: Return(ReturnMaterial(Box::new(sheet())));
+    porous_metal: Return(ReturnMaterial(Box::new(voids())));
     law_in_rust: Point(user_law());
     detailed_law_in_rust: DetailedPoint(user_law());
     user_stress: UserStress(subroutine());
@@ -109,6 +119,7 @@ fn number(material: &SolidMaterial) -> usize {
         UserStress(_) => 13,
         UserFlow(_) => 14,
         VonMises(Failing(..), _) => 15,
+        Return(_) => 16,
     }
 }
 
@@ -122,15 +133,16 @@ fn pressure_number(material: &SolidMaterial) -> Option<usize> {
         Some(EquationOfState::Tabulated(_)) => 3,
         Some(EquationOfState::Explosive(_)) => 4,
         Some(EquationOfState::User(_)) => 5,
+        Some(EquationOfState::Compacting(_)) => 6,
     })
 }
 
 #[test]
 fn no_law_is_missing() {
     let kinds: BTreeSet<usize> = LAWS.iter().map(|law| number(&(law.material)())).collect();
-    assert!(kinds.into_iter().eq(0..16));
+    assert!(kinds.into_iter().eq(0..17));
     let pressures: BTreeSet<usize> = LAWS.iter().filter_map(|law| pressure_number(&(law.material)())).collect();
-    assert!(pressures.into_iter().eq(0..6));
+    assert!(pressures.into_iter().eq(0..7));
 }
 
 /// The tests of one law.

@@ -41,6 +41,8 @@ mod rescale;
 pub mod rings;
 #[cfg(test)]
 mod same_bits;
+#[cfg(test)]
+mod same_laws;
 pub mod shell;
 mod shock;
 pub mod six_node;

@@ -237,13 +237,9 @@ pub(super) fn advance(
     [ambient, floor]: [f64; 2],
 ) -> f64 {
     let EosLine { cold, per_energy, cold_slope, energy_slope } = curve;
-    let inverse = 1.0 / update.mass[l];
     let density = update.mass[l] / update.volume[l];
-    let change = update.middle[l] * update.dilation[l];
-    let expected = update.viscous[l] * change;
-    let absolute = 0.5 * (update.mean[l] - ambient - cold - ambient);
-    let gained = absolute * change + update.work[l] + expected;
-    let energy = (before + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
+    let expected = update.viscous[l] * (update.middle[l] * update.dilation[l]);
+    let energy = advance_energy(update, l, curve, before, ambient);
     let pressure = cold + per_energy * energy;
     // rho dp/drho with de = (p + p_A) drho/rho². A NaN is kept, so that the run halts.
     let volume = specific_volume(update, l);
@@ -252,6 +248,16 @@ pub(super) fn advance(
     update.mean[l] = -pressure;
     update.heat[l] = expected;
     energy
+}
+
+/// Returns the specific energy of a lane at the end of an increment. Equation (7.3).
+#[inline(always)]
+pub(super) fn advance_energy(update: &PressureUpdate, l: usize, curve: EosLine, before: f64, ambient: f64) -> f64 {
+    let inverse = 1.0 / update.mass[l];
+    let change = update.middle[l] * update.dilation[l];
+    let absolute = 0.5 * (update.mean[l] - ambient - curve.cold - ambient);
+    let gained = absolute * change + update.work[l] + update.viscous[l] * change;
+    (before + gained * inverse) / (1.0 + 0.5 * curve.per_energy * change * inverse)
 }
 
 /// Updates pressures and energies of a block whose pressure line depends on density only.

@@ -3,6 +3,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the laws.
 
 use super::available::AvailableEnergy;
+use super::compaction::{DistensionState, PorousCompaction};
 use super::eos::{EosLine, IdealGas, LinearEos, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
 use super::isentrope::{end_of_limited_tension, isentropic_work};
@@ -22,17 +23,21 @@ pub enum EquationOfState {
     UsUp(UsUp),
     Tabulated(Tabulated),
     Explosive(HighExplosive),
+    /// Porous material that compacts.
+    Compacting(PorousCompaction),
     User(UserEos),
 }
 
 /// State variables of a block.
 #[derive(Clone, Debug, Persist)]
-#[persist(present: burn, mass_factors)]
+#[persist(present: burn, distension, mass_factors)]
 pub struct EosState {
     /// Specific energy, energy per mass.
     energy: Lanes,
     /// Burn fractions; for explosives only.
     burn: Option<Box<BurnState>>,
+    /// Distensions; for porous materials only.
+    distension: Option<Box<DistensionState>>,
     /// Factors on the masses of elements, for meshes that do not follow the material ([`Material::volume_ratio`]).
     ///
     /// [`Material::volume_ratio`]: super::Material::volume_ratio
@@ -41,7 +46,7 @@ pub struct EosState {
 
 impl EosState {
     fn new(energy: f64, burn: Option<Box<BurnState>>) -> EosState {
-        EosState { energy: [energy; LANES], burn, mass_factors: None }
+        EosState { energy: [energy; LANES], burn, distension: None, mass_factors: None }
     }
 }
 
@@ -73,6 +78,8 @@ impl EquationOfState {
                 isentropic_work_below(|volume: f64| law.line(volume, energy), [specific_volume, energy], limit)
             }
             EquationOfState::Explosive(law) => unburnt * law.unburnt_energy(specific_volume),
+            // Its isentrope needs the state.
+            EquationOfState::Compacting(_) => 0.0,
         }
     }
 }
@@ -90,6 +97,9 @@ impl VolumetricLaw for EquationOfState {
     fn fresh(&self, start: &BlockStart) -> EosState {
         match self {
             EquationOfState::Explosive(law) => EosState::new(law.energy, Some(Box::new(law.start_burn(start)))),
+            EquationOfState::Compacting(law) => {
+                EosState { distension: Some(Box::new(law.start())), ..EosState::new(0.0, None) }
+            }
             _ => EosState::new(0.0, None),
         }
     }
@@ -119,6 +129,11 @@ impl VolumetricLaw for EquationOfState {
                     law.advance_block(burn, &mut state.energy, update);
                 }
             }
+            EquationOfState::Compacting(law) => {
+                if let Some(distension) = &mut state.distension {
+                    law.advance_block(distension, &mut state.energy, update);
+                }
+            }
         }
     }
 
@@ -139,6 +154,7 @@ impl VolumetricLaw for EquationOfState {
         match variable {
             Variable::BurnFraction => state.burn.as_ref().map(|burn| burn.share(lane)),
             Variable::SpecificEnergy => Some(state.energy[lane]),
+            Variable::Distension => state.distension.as_ref().map(|distension| distension.current(lane)),
             _ => None,
         }
     }
@@ -167,6 +183,10 @@ impl VolumetricLaw for EquationOfState {
     #[cold]
     fn recoverable_energy(&self, state: &EosState, lane: usize, element: ElementSize, limit: f64) -> Option<f64> {
         let mass = element.mass * state.mass_factors.as_ref().map_or(1.0, |factors| factors[lane]);
+        if let (EquationOfState::Compacting(law), Some(distension)) = (self, &state.distension) {
+            let line = |volume: f64| law.unloading_line(distension, lane, [volume, state.energy[lane]]);
+            return Some(mass * isentropic_work_below(line, [element.volume / mass, state.energy[lane]], limit));
+        }
         let unburnt = state.burn.as_ref().map_or(0.0, |burn| 1.0 - burn.share(lane));
         Some(mass * self.isentropic_work([element.volume / mass, state.energy[lane]], unburnt, limit))
     }
@@ -176,7 +196,9 @@ impl VolumetricLaw for EquationOfState {
     }
 
     fn bytes(&self, state: &EosState) -> usize {
-        state.burn.as_deref().map_or(0, size_of_val) + state.mass_factors.as_deref().map_or(0, size_of_val)
+        state.burn.as_deref().map_or(0, size_of_val)
+            + state.distension.as_deref().map_or(0, size_of_val)
+            + state.mass_factors.as_deref().map_or(0, size_of_val)
     }
 
     fn prepare_transport(&self, state: &mut EosState) {
@@ -188,4 +210,4 @@ impl VolumetricLaw for EquationOfState {
     }
 }
 
-carried_state!(EosState { energy, burn } stay { mass_factors });
+carried_state!(EosState { energy, burn, distension } stay { mass_factors });

@@ -2,6 +2,7 @@
 
 pub mod available;
 pub mod carried;
+pub mod compaction;
 pub mod eos;
 pub mod equation_of_state;
 pub mod explosive;

@@ -231,6 +231,7 @@ variables! {
     VoidVolumeFraction: point("VVF", &[], "Void volume fraction of a porous metal"),
     RelativeDensity: point("RD", &[], "Relative density of a porous metal, 1 - VVF"),
     PlasticCompaction: point("MUP", &[], "Plastic compaction of concrete (Holmquist-Johnson-Cook)").as_extension(),
+    Distension: point("PALPH", &[], "Distension of a compacting material: density of the solid over that of the porous material"),
     DamageInitiation: point("DMICRT", &[], "Damage initiation criterion, the largest of all; damage begins at 1"),
     DuctileInitiation: point("DUCTCRT", &[], "Ductile damage initiation criterion"),
     JohnsonCookInitiation: point("JCCRT", &[], "Johnson-Cook damage initiation criterion"),

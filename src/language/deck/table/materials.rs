@@ -62,6 +62,13 @@ card!(Eos: "EOS", "Equation of state", (once below "MATERIAL"), {
     (lines ["c0" (POSITIVE.required()), "s" (NOT_NEGATIVE.or(0.0)), "Gamma0" (NOT_NEGATIVE.or(0.0))]),
 ]);
 
+card!(EosCompaction: "EOS COMPACTION", "Compaction of a porous material (P-alpha), below *EOS, TYPE=USUP of the solid; *DENSITY is that of the solid", (once below "MATERIAL"), {
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+}, values: [f64; 4] = [(lines [
+    "sound speed" (POSITIVE.required()) "Of the porous material at the start", "porosity" (NUMBER.above(0.0).below(1.0).required()) "Volume of the pores over the volume",
+    "elastic limit" (POSITIVE.required()) "Pressure at which compaction begins", "compaction pressure" (POSITIVE.required()) "Pressure at which all pores are closed",
+])]);
+
 card!(Viscosity: "VISCOSITY", "Shear viscosity of a Newtonian fluid with *EOS: the deviatoric stress is twice the viscosity times the deviatoric strain rate", (once below "MATERIAL"), {
     "DEFINITION" only ["NEWTONIAN"] "the viscosity does not depend on the shear rate",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
@@ -182,8 +189,8 @@ card!(ShearFailure: "SHEAR FAILURE", "Failure by plastic strain", (once below "M
 
 card!(TensileFailure: "TENSILE FAILURE", "Tensile cutoff, spall", (once below "MATERIAL"), {
     deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: the mean stress is limited to the cutoff",
-    "PRESSURE" only ["DUCTILE"] "brittle failure without deletion is unsupported",
-    "SHEAR" only ["DUCTILE"] "brittle failure without deletion is unsupported",
+    loses_tension: bool = "PRESSURE" (variant(&["DUCTILE", "BRITTLE"]).or(0.0)) "Without deletion: DUCTILE limits the tension by the cutoff, BRITTLE removes it",
+    loses_shear: bool = "SHEAR" (variant(&["DUCTILE", "BRITTLE"]).or(0.0)) "Without deletion: DUCTILE keeps the deviatoric stress, BRITTLE removes it",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, cutoff: [f64; 1] = [(lines ["mean stress, tension" (POSITIVE.required()), "temperature" inert "the cutoff does not depend on temperature"])]);
 
@@ -443,6 +450,7 @@ pub const CARDS: &[Keyword] = &[
     Density::ROW,
     Elastic::ROW,
     Eos::ROW,
+    EosCompaction::ROW,
     Viscosity::ROW,
     DetonationPoint::ROW,
     Hyperelastic::ROW,

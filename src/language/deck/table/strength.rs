@@ -77,31 +77,31 @@ card!(ConcreteDamagedPlasticity: "CONCRETE DAMAGED PLASTICITY", "Damaged plastic
 
 card!(ConcreteCompressionHardening: "CONCRETE COMPRESSION HARDENING", "Compressive stress of concrete over inelastic strain", (once below "MATERIAL"), {
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
-}, rows: Vec<[f64; 2]> = [(rows [
+}, rows: Vec<[f64; 3]> = [(rows [
     "compressive stress" (POSITIVE.required()),
-    "inelastic strain" (NOT_NEGATIVE.or(0.0).ascending()) "Strain minus stress over Young's modulus",
-    "strain rate" refused "the compressive stress does not depend on the rate",
+    "inelastic strain" (NOT_NEGATIVE.or(0.0)) "Strain minus stress over Young's modulus",
+    "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the inelastic strain; the rows of one rate follow each other",
     "temperature" refused "the table does not depend on temperature",
 ])]);
 
 card!(ConcreteTensionStiffening: "CONCRETE TENSION STIFFENING", "Tensile stress of concrete after cracking", (once below "MATERIAL"), {
     kind: usize = "TYPE" (variant(&["STRAIN", "DISPLACEMENT", "GFI"]).or(0.0)) "DISPLACEMENT: over the cracking strain times the element length; GFI: linear softening with a fracture energy",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
-}, rows: Vec<[f64; 2]> = [
-    (when "TYPE" = "GFI" lines [
+}, rows: Vec<[f64; 3]> = [
+    (when "TYPE" = "GFI" rows [
         "failure stress" (POSITIVE.required()), "fracture energy" (POSITIVE.required()) "Energy per crack area",
-        "strain rate" refused "the tensile stress does not depend on the rate",
+        "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the cracking strain",
         "temperature" refused "the table does not depend on temperature",
     ]),
     (when "TYPE" = "DISPLACEMENT" rows [
-        "tensile stress" (POSITIVE.required()), "cracking displacement" (NOT_NEGATIVE.or(0.0).ascending()),
-        "strain rate" refused "the tensile stress does not depend on the rate",
+        "tensile stress" (POSITIVE.required()), "cracking displacement" (NOT_NEGATIVE.or(0.0)),
+        "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the cracking strain",
         "temperature" refused "the table does not depend on temperature",
     ]),
     (rows [
         "tensile stress" (POSITIVE.required()),
-        "cracking strain" (NOT_NEGATIVE.or(0.0).ascending()) "Strain minus stress over Young's modulus",
-        "strain rate" refused "the tensile stress does not depend on the rate",
+        "cracking strain" (NOT_NEGATIVE.or(0.0)) "Strain minus stress over Young's modulus",
+        "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the cracking strain",
         "temperature" refused "the table does not depend on temperature",
     ]),
 ]);

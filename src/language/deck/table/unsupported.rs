@@ -61,7 +61,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Particles": "DISCRETE SECTION";
     "Bodies for display only": "DISPLAY BODY";
     "Elements embedded in others": "EMBEDDED ELEMENT";
-    "Compaction of porous materials": "EOS COMPACTION";
     "Eulerian elements": "EULERIAN SECTION";
     "Stop at an extreme value": "EXTREME VALUE", "EXTREME ELEMENT VALUE", "EXTREME NODE VALUE";
     "Fabrics": "FABRIC";

@@ -27,6 +27,8 @@ pub struct MaterialDefinition {
     pub hyperelastic: Option<HyperelasticLaw>,
     /// Relation of pressure, density and internal energy (`*EOS`).
     pub eos: Option<EquationOfState>,
+    /// Compaction of pores (`*EOS COMPACTION`); the density of the material is then that with pores.
+    pub compaction: Option<PoreCompaction>,
     /// Dynamic shear viscosity, stress times time (`*VISCOSITY`), and its source position.
     pub viscosity: Option<(f64, Span)>,
     /// Detonation points (`*DETONATION POINT`): `[r, z, total time]` of each.
@@ -190,6 +192,21 @@ pub enum FoamYieldSurface {
     Isotropic([f64; 2]),
 }
 
+/// Compaction of a porous material (`*EOS COMPACTION`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoreCompaction {
+    /// Sound speed of the porous material at the start.
+    pub speed: f64,
+    /// Initial porosity, volume of the pores over the volume.
+    pub porosity: f64,
+    /// Pressures at which compaction begins and ends.
+    pub pressures: [f64; 2],
+    /// Density of the solid without pores (`*DENSITY`).
+    pub solid_density: f64,
+    /// Source position of the card.
+    pub span: Span,
+}
+
 /// Equation of state (`*EOS`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquationOfState {
@@ -332,6 +349,10 @@ pub struct TensileFailure {
     pub cutoff: f64,
     /// Whether the element is deleted when the cutoff is reached.
     pub deletes: bool,
+    /// Whether a failed element that stays loses its deviatoric stress.
+    pub loses_shear: bool,
+    /// Whether a failed element that stays loses its tension.
+    pub loses_tension: bool,
     /// Source position of the keyword line.
     pub span: Span,
 }

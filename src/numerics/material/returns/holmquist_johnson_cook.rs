@@ -156,10 +156,11 @@ impl StressReturn for HolmquistJohnsonCook {
             mises = mises.min(self.yield_strength(pressure, point.state[DAMAGE], rate_factor));
         }
         point.state[STRAIN] += (trial.mises - mises) / (3.0 * self.shear);
+        let changes = inelastic > 0.0 || compaction != point.state[COMPACTION];
         (point.state[LARGEST], point.state[COMPACTION]) = (largest, compaction);
         point.return_to(&trial, pressure, mises, 0.0);
         let energy = law.recoverable_energy(counted) / (1.0 + solid);
-        point.dissipate_volumetric_work(ENERGY, energy, volume_before);
+        point.dissipate_volumetric_work(ENERGY, energy, volume_before, changes);
         point.moduli.bulk = law.bulk_modulus(counted);
         point.deleted = self.deletion > 0.0 && point.state[STRAIN] >= self.deletion;
     }

@@ -139,7 +139,8 @@ impl StressReturn for JohnsonHolmquist {
         point.state[FRACTURED] = if damage >= 1.0 { 1.0 } else { 0.0 };
         (point.state[BULKING], point.state[STRENGTH]) = (law.shift, strength);
         point.return_to(&trial, pressure, mises, 0.0);
-        point.dissipate_volumetric_work(ENERGY, law.recoverable_energy(compression), volume_before);
+        let changes = trial.mises > mises;
+        point.dissipate_volumetric_work(ENERGY, law.recoverable_energy(compression), volume_before, changes);
         point.moduli.bulk = law.bulk_modulus(compression);
         let is_deleted = if self.deletion > 0.0 {
             point.state[STRAIN] >= self.deletion

@@ -118,12 +118,15 @@ impl ReturnPoint<'_> {
     }
 
     /// Replaces the recoverable energy of the pressure (per initial volume, a state). The work of the pressure beyond its
-    /// change is dissipated by compaction. `volume` is the ratio of volumes before the increment.
-    pub fn dissipate_volumetric_work(&mut self, energy: usize, recoverable: f64, volume: f64) {
+    /// change is dissipated by compaction, in an increment that changes the law of the pressure. `volume` is the ratio of volumes
+    /// before the increment.
+    pub fn dissipate_volumetric_work(&mut self, energy: usize, recoverable: f64, volume: f64, changes: bool) {
         let work = 0.5 * (pressure(self.carried) + pressure(self.stress)) * -self.dilation();
         // The ratio of volumes in the middle of the increment.
         let middle = volume * (1.0 + 0.5 * self.dilation());
-        self.compacted += work - (recoverable - self.state[energy]) / middle;
+        if changes {
+            self.compacted += work - (recoverable - self.state[energy]) / middle;
+        }
         self.state[energy] = recoverable;
     }
 }

@@ -3,12 +3,22 @@
 //! all of them.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
 
+pub mod cap;
 pub mod compression;
+pub mod concrete;
+pub mod concrete_return;
+pub mod concrete_tables;
+#[cfg(test)]
+mod concrete_tests;
 pub mod drucker_prager;
+pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
 pub mod law;
+pub mod porous_metal;
+pub mod porous_return;
 pub mod root;
+pub mod spall;
 
 use super::carried::CarriedState;
 use super::increment::{StrainIncrement, StressUpdate};

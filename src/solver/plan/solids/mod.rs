@@ -2,6 +2,7 @@
 
 pub mod averaging;
 pub mod cohesive;
+mod concrete;
 pub mod erosion;
 pub mod mass_scaling;
 pub mod shells;

@@ -11,6 +11,8 @@ use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor,
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::shape::quad_area;
+use crate::material::compaction::PorousCompaction;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::failed::KeptFailure;
@@ -22,13 +24,14 @@ use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::model::{
-    DamageEvolution, EosKind, FailedMaterial, FailureCriterion, HourglassMethod, MaterialDefinition, Model,
-    PlasticityModel, RateDependence, SectionControls, SolidSection, StrainAtFailure,
+    DamageEvolution, EosKind, EquationOfState as EosDefinition, FailedMaterial, FailureCriterion, HourglassMethod, MaterialDefinition, Model,
+    PlasticityModel, PoreCompaction, RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
-use crate::plan::solids::strength::{moduli_of_law, strength_law};
+use crate::plan::solids::strength::{moduli_of_law, spalling_law, spalls, strength_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{GroupInput, Report};
+use crate::state::nodes::Node;
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
 const HOURGLASS_STIFFNESS: f64 = 0.005;
@@ -53,6 +56,7 @@ const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |m| m.hyperelastic.is_some(), law: rubber_law },
     MaterialRow { applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(), law: foam_law },
     MaterialRow { applies: MaterialDefinition::has_strength_law, law: strength_law },
+    MaterialRow { applies: spalls, law: spalling_law },
     MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
     MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },
 ];
@@ -63,6 +67,8 @@ pub struct SolidProperties<'a> {
     /// Span of the section.
     pub span: Span,
     pub constants: ElementConstants,
+    /// Largest square root of the section area of an element, length.
+    pub longest: f64,
     density: f64,
     heats: bool,
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
@@ -104,8 +110,18 @@ pub fn solid_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn El
     let subzonal = subzonal(input, report)?;
     let absolute_zero = model.settings.absolute_zero;
     let span = section.span;
-    let solid =
-        SolidProperties { material, span, constants, density, heats, deletion_margin, keep_elements, absolute_zero };
+    let longest = longest_element(connectivity, nodes);
+    let solid = SolidProperties {
+        material,
+        span,
+        constants,
+        longest,
+        density,
+        heats,
+        deletion_margin,
+        keep_elements,
+        absolute_zero,
+    };
     let law = if by_area {
         check_by_area(input, report)?;
         von_mises_law(&solid, None, report)?
@@ -123,6 +139,12 @@ fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMateri
     }
     let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
     (row.law)(solid, report)
+}
+
+/// Returns the largest characteristic length, the square root of the area in the r-z plane.
+fn longest_element(connectivity: &Connectivity, nodes: &[Node]) -> f64 {
+    let area = |cell: [u32; 4]| quad_area(cell.map(|n| nodes[n as usize].place()));
+    connectivity.cells().into_iter().map(area).fold(0.0, f64::max).sqrt()
 }
 
 fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report) {
@@ -219,10 +241,29 @@ fn shear_viscosity(input: &GroupInput, report: &mut Report) -> Option<f64> {
     Some(viscosity)
 }
 
+/// Refuses a compaction that does not fit the equation of state of the solid.
+fn check_compaction(material: &MaterialDefinition, eos: &EosDefinition, report: &mut Report) -> Option<()> {
+    let Some(compaction) = &material.compaction else { return Some(()) };
+    let PoreCompaction { speed, pressures: [begin, end], span, .. } = *compaction;
+    let fault = match eos.kind {
+        EosKind::UsUp([c0, ..]) if speed > c0 => {
+            format!("the sound speed {speed} of the porous material exceeds that of the solid, {c0}")
+        }
+        EosKind::UsUp(_) if end <= begin => {
+            format!("the compaction pressure {end} must exceed the elastic limit {begin}")
+        }
+        EosKind::UsUp(_) => return Some(()),
+        _ => "*EOS COMPACTION needs *EOS, TYPE=USUP for the solid".to_owned(),
+    };
+    let message = format!("material `{}`: {fault}", material.name);
+    report.refuse(Diagnostic::error("P013", message).at(span, "this compaction"))
+}
+
 /// Selects the law of a material with an equation of state.
 fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let SolidProperties { material, span, density, .. } = *solid;
     let eos = material.eos.as_ref()?;
+    check_compaction(material, eos, report)?;
     let mut row = |detail| report.ledger_row(eos.span, "equation of state", 1, "material", detail);
     match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
         (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
@@ -235,6 +276,13 @@ fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> O
             let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
             let message = format!("material `{}` is an ideal gas {why}", material.name);
             report.refuse(Diagnostic::error("P013", message).at(span, "these elements are deformable"))
+        }
+        (EosKind::UsUp([c0, s, gamma0]), _) if material.compaction.is_some() => {
+            let PoreCompaction { speed, porosity, pressures, solid_density, .. } = material.compaction?;
+            row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}, porosity {porosity}"));
+            let dense = UsUp { density: solid_density, c0, s, gamma0 };
+            let law = PorousCompaction::new(dense, speed, porosity, pressures);
+            von_mises_law(solid, Some(EquationOfState::Compacting(law)), report)
         }
         (EosKind::UsUp([c0, s, gamma0]), _) => {
             row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
@@ -525,8 +573,10 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
     }
     if let Some(tensile) = material.tensile_failure {
         if !tensile.deletes && material.eos.is_none() {
-            // Only an equation of state keeps the volume change of a material at the cutoff.
-            return no_failure(tensile.span, "a tensile cutoff without element deletion needs *EOS", report);
+            return no_failure(tensile.span, "WEIGHTING=AREA with a tensile cutoff without deletion", report);
+        }
+        if !tensile.deletes && (tensile.loses_shear || tensile.loses_tension) {
+            return no_failure(tensile.span, "BRITTLE failure without deletion needs *ELASTIC in place of *EOS", report);
         }
         let end = if tensile.deletes { "deletion" } else { "cutoff" };
         report.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));

@@ -5,72 +5,126 @@ use crate::element::solid_groups::SolidMaterial;
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::material::returns::ReturnMaterial;
+use crate::material::returns::cap::CapPlasticity;
 use crate::material::returns::drucker_prager::{DruckerPrager, DruckerPragerShape, YieldTest};
+use crate::material::returns::hill::HillPotential;
 use crate::material::returns::holmquist_johnson_cook::HolmquistJohnsonCook;
 use crate::material::returns::johnson_holmquist::JohnsonHolmquist;
 use crate::material::returns::law::StressReturn;
-use crate::model::{DruckerPragerHardening, MaterialDefinition, RateDependence, StrengthCards};
+use crate::material::returns::porous_metal::{PorousMetal, VoidFailure, VoidNucleation};
+use crate::model::{DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure};
+use crate::material::returns::spall::SpallingSolid;
 use crate::plan::Report;
+use crate::plan::solids::concrete::concrete_law;
 use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
 
+/// A law from the cards of a material.
+pub struct StrengthLaw {
+    pub law: Box<dyn StressReturn>,
+    /// Warning about the law in this mesh.
+    pub warning: Option<String>,
+}
+
 /// A law, or the reason why the cards do not give one, with the place.
-type LawOrFault = Result<Box<dyn StressReturn>, StrengthFault>;
+pub type LawOrFault = Result<StrengthLaw, StrengthFault>;
 
 /// Reason why the cards of a material do not give a law.
-struct StrengthFault {
+pub struct StrengthFault {
     message: String,
     span: Span,
     help: &'static str,
 }
 
+impl StrengthFault {
+    fn report<T>(self, material: &MaterialDefinition, keyword: &str, report: &mut Report) -> Option<T> {
+        let StrengthFault { message, span, help } = self;
+        let message = format!("material `{}`: {message}", material.name);
+        let finding = Diagnostic::error("P013", message).at(span, format!("in the cards of *{keyword}"));
+        report.refuse(if help.is_empty() { finding } else { finding.help(help) })
+    }
+}
+
 /// Creates a fault at a card.
-fn fault<T>(span: Span, message: impl Into<String>, help: &'static str) -> Result<T, StrengthFault> {
+pub fn fault<T>(span: Span, message: impl Into<String>, help: &'static str) -> Result<T, StrengthFault> {
     Err(StrengthFault { message: message.into(), span, help })
 }
 
 /// Selects the law of a material with cards of strength.
 pub fn strength_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
-    let SolidProperties { material, .. } = *solid;
+    let SolidProperties { material, longest, .. } = *solid;
     let (keyword, span) = material.strength.cards().next()?;
-    match law(material).and_then(|law| check_other_cards(material).map(|()| law)) {
-        Ok(law) => {
+    match law(material, longest).and_then(|law| check_other_cards(material).map(|()| law)) {
+        Ok(StrengthLaw { law, warning }) => {
             report.ledger_row(span, "strength", 1, "material", law.describe());
+            if let Some(warning) = warning {
+                let message = format!("material `{}`: {warning}", material.name);
+                report.push(Diagnostic::warning("P149", message).at(span, "this law").help("give shorter elements"));
+            }
             Some(SolidMaterial::Return(ReturnMaterial(law)))
         }
-        Err(StrengthFault { message, span, help }) => {
-            let message = format!("material `{}`: {message}", material.name);
-            let finding = Diagnostic::error("P013", message).at(span, format!("in the cards of *{keyword}"));
-            report.refuse(if help.is_empty() { finding } else { finding.help(help) })
+        Err(fault) => fault.report(material, keyword, report),
+    }
+}
+
+/// Returns whether failed elements stay and have no equation of state.
+pub fn spalls(material: &MaterialDefinition) -> bool {
+    material.tensile_failure.is_some_and(|failure| !failure.deletes) && material.eos.is_none()
+}
+
+/// Selects the law of a material with `*TENSILE FAILURE, ELEMENT DELETION=NO`.
+pub fn spalling_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
+    let SolidProperties { material, .. } = *solid;
+    let TensileFailure { cutoff, loses_shear, loses_tension, span, .. } = material.tensile_failure?;
+    let is_combined = !material.failures.is_empty() || material.failed.is_some() || material.rate.is_some();
+    let parts = if is_combined {
+        fault(span, "*TENSILE FAILURE without deletion and without *EOS needs *ELASTIC and *PLASTIC only", "")
+    } else {
+        elasticity(material, span).and_then(|moduli| {
+            let hardening = match material.plastic {
+                Some(_) => yield_table(material, span)?,
+                None => LinearTable { rows: Vec::new() },
+            };
+            Ok(SpallingSolid { cutoff, loses_shear, loses_tension, hardening, moduli })
+        })
+    };
+    match parts {
+        Ok(law) => {
+            report.ledger_row(span, "tensile failure", 1, "criterion", law.describe());
+            Some(SolidMaterial::Return(ReturnMaterial(Box::new(law))))
         }
+        Err(fault) => fault.report(material, "TENSILE FAILURE", report),
     }
 }
 
 /// Returns the moduli of a material whose law has its own constants of elasticity; `None` for others.
 pub fn moduli_of_law(material: &MaterialDefinition) -> Option<ElasticModuli> {
     let StrengthCards { johnson_holmquist, holmquist_johnson_cook, .. } = &material.strength;
-    if johnson_holmquist.is_none() && holmquist_johnson_cook.is_none() {
-        return None;
-    }
-    law(material).ok().map(|law| law.moduli())
+    (johnson_holmquist.is_some() || holmquist_johnson_cook.is_some()).then(|| material.small_strain_moduli(None))?
 }
 
-fn law(material: &MaterialDefinition) -> LawOrFault {
+fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
     let cards = &material.strength;
-    if let Some((constants, span)) = &cards.johnson_holmquist {
-        return johnson_holmquist(constants, *span);
-    }
-    if let Some((card, span)) = &cards.holmquist_johnson_cook {
-        return holmquist_johnson_cook(&card.rows, *span);
-    }
-    if cards.drucker_prager.is_some() || cards.drucker_prager_hardening.is_some() {
-        return drucker_prager(material);
-    }
-    let (_, span) = cards.cards().next().ok_or_else(|| StrengthFault {
-        message: "no law".into(),
-        span: material.span,
-        help: "",
-    })?;
-    fault(span, "the card belongs to another card that is missing", "")
+    let law: Box<dyn StressReturn> = if let Some((constants, span)) = &cards.johnson_holmquist {
+        Box::new(johnson_holmquist(constants, *span)?)
+    } else if let Some((card, span)) = &cards.holmquist_johnson_cook {
+        Box::new(holmquist_johnson_cook(&card.rows, *span)?)
+    } else if cards.drucker_prager.is_some() || cards.drucker_prager_hardening.is_some() {
+        Box::new(drucker_prager(material)?)
+    } else if cards.cap.is_some() || cards.cap_hardening.is_some() {
+        Box::new(cap(material)?)
+    } else if cards.porous_metal.is_some() || cards.void_nucleation.is_some() || cards.porous_failure.is_some() {
+        Box::new(porous_metal(material)?)
+    } else if let Some((card, span)) = &cards.potential {
+        let [rr, zz, hoop, shear, ..] = card.ratios;
+        let (hardening, moduli) = (yield_table(material, *span)?, elasticity(material, *span)?);
+        match HillPotential::new([rr, zz, hoop, shear], hardening, moduli) {
+            Some(law) => Box::new(law),
+            None => return fault(*span, "the yield surface of these ratios is not closed", ""),
+        }
+    } else {
+        return concrete_law(material, longest);
+    };
+    Ok(StrengthLaw { law, warning: None })
 }
 
 /// Refuses cards of other laws, which would have no effect.
@@ -101,14 +155,14 @@ fn check_other_cards(material: &MaterialDefinition) -> Result<(), StrengthFault>
 }
 
 /// Returns the moduli of `*ELASTIC`, which the law needs.
-fn elasticity(material: &MaterialDefinition, span: Span) -> Result<ElasticModuli, StrengthFault> {
+pub fn elasticity(material: &MaterialDefinition, span: Span) -> Result<ElasticModuli, StrengthFault> {
     match material.elastic {
         Some([young, ratio]) if material.elastic_table.is_empty() => Ok(ElasticModuli::from_young(young, ratio)),
         _ => fault(span, "the law needs *ELASTIC with one row", ""),
     }
 }
 
-fn johnson_holmquist(constants: &[f64], span: Span) -> LawOrFault {
+fn johnson_holmquist(constants: &[f64], span: Span) -> Result<JohnsonHolmquist, StrengthFault> {
     let &[_density, shear, a, n, b, m, c, rate, tension, most_intact, most_fractured, hel, phel, bulking, d1, d2, ..] =
         constants
     else {
@@ -126,7 +180,7 @@ fn johnson_holmquist(constants: &[f64], span: Span) -> LawOrFault {
     if !(0.0..=1.0).contains(&bulking) || tension < 0.0 {
         return fault(span, format!("beta must be 0 to 1 and T not negative, found {bulking} and {tension}"), "");
     }
-    Ok(Box::new(JohnsonHolmquist {
+    Ok(JohnsonHolmquist {
         shear,
         intact: [a, n, limit(most_intact)],
         fractured: [b, m, limit(most_fractured)],
@@ -138,10 +192,10 @@ fn johnson_holmquist(constants: &[f64], span: Span) -> LawOrFault {
         fracture_range: [least_strain, limit(most_strain)],
         compression: [k1, k2, k3],
         deletion,
-    }))
+    })
 }
 
-fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> LawOrFault {
+fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> Result<HolmquistJohnsonCook, StrengthFault> {
     let [first, second, third] = rows else {
         return fault(span, format!("*HOLMQUIST JOHNSON COOK has three data lines, found {}", rows.len()), "");
     };
@@ -152,7 +206,7 @@ fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> LawOrFault {
     let Some(compacted) = compacted.filter(|compacted| lock_pressure > crush_pressure && *compacted > crush) else {
         return fault(span, "compaction must end at a larger pressure and compression than it begins", "check PC, UC, PL, UL, K1");
     };
-    Ok(Box::new(HolmquistJohnsonCook {
+    Ok(HolmquistJohnsonCook {
         shear,
         strength: [a, b, n],
         largest_strength,
@@ -165,10 +219,82 @@ fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> LawOrFault {
         compression: [k1, k2, k3],
         deletion,
         compacted,
-    }))
+    })
 }
 
-fn drucker_prager(material: &MaterialDefinition) -> LawOrFault {
+fn cap(material: &MaterialDefinition) -> Result<CapPlasticity, StrengthFault> {
+    let cards = &material.strength;
+    let Some((card, span)) = &cards.cap else {
+        return fault(material.span, "*CAP HARDENING without *CAP PLASTICITY", "");
+    };
+    let Some((hardening, hardening_span)) = &cards.cap_hardening else {
+        return fault(*span, "*CAP PLASTICITY without *CAP HARDENING", "");
+    };
+    let [cohesion, angle, eccentricity, compaction, transition] = card.row;
+    if hardening.rows.len() > 1 && hardening.rows.iter().all(|row| row[0] < 1.0 && row[1] > 1.0) {
+        let help = "exchange the columns: pressure first, then compaction";
+        return fault(*hardening_span, "pressures look like strains, and strains like pressures", help);
+    }
+    Ok(CapPlasticity {
+        cohesion,
+        friction: tangent(angle),
+        eccentricity,
+        transition,
+        compaction,
+        hardening: LinearTable { rows: hardening.rows.clone() },
+        moduli: elasticity(material, *span)?,
+    })
+}
+
+fn porous_metal(material: &MaterialDefinition) -> Result<PorousMetal, StrengthFault> {
+    let cards = &material.strength;
+    let Some((card, span)) = &cards.porous_metal else {
+        let (keyword, span) = cards.cards().next().unwrap_or(("VOID NUCLEATION", material.span));
+        return fault(span, format!("*{keyword} without *POROUS METAL PLASTICITY"), "");
+    };
+    let failure = match &cards.porous_failure {
+        Some((criteria, failure_span)) => {
+            let [failure, critical] = criteria.row;
+            if critical >= failure || card.row[2] <= 0.0 {
+                let message = "the void fraction at failure must exceed the critical one, and q3 must be positive";
+                return fault(*failure_span, message, "the fraction at failure is the first value");
+            }
+            Some(VoidFailure { critical, failure })
+        }
+        None => None,
+    };
+    let nucleation = cards.void_nucleation.as_ref().map(|(card, _)| {
+        let [mean, deviation, fraction] = card.row;
+        VoidNucleation { mean, deviation, fraction }
+    });
+    Ok(PorousMetal {
+        constants: card.row,
+        voids: 1.0 - card.relative_density,
+        hardening: yield_table(material, *span)?,
+        nucleation,
+        failure,
+        moduli: elasticity(material, *span)?,
+    })
+}
+
+/// Returns the yield stress over plastic strain of `*PLASTIC`, which the law needs.
+fn yield_table(material: &MaterialDefinition, span: Span) -> Result<LinearTable, StrengthFault> {
+    match &material.plastic {
+        Some(PlasticityModel::Tabular(rows)) if rows.iter().all(|row| row[2].is_nan()) => {
+            let rows = rows.iter().map(|row| [row[0], row[1]]).collect();
+            Ok(LinearTable { rows })
+        }
+        Some(_) => fault(span, "the law needs *PLASTIC with isotropic hardening that does not depend on temperature", ""),
+        None => fault(span, "the law needs *PLASTIC", ""),
+    }
+}
+
+/// Returns the tangent of an angle in degrees.
+pub fn tangent(degrees: f64) -> f64 {
+    degrees.to_radians().tan()
+}
+
+fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, StrengthFault> {
     let cards = &material.strength;
     let Some((card, span)) = &cards.drucker_prager else {
         return fault(material.span, "*DRUCKER PRAGER HARDENING without *DRUCKER PRAGER", "");
@@ -180,7 +306,6 @@ fn drucker_prager(material: &MaterialDefinition) -> LawOrFault {
     let (test, yield_stress) = (YieldTest::ALL[*test], hardening.value(0.0));
     let moduli = elasticity(material, *span)?;
     let [first, second, dilation] = card.row;
-    let tangent = |degrees: f64| libm::tan(degrees.to_radians());
     let (friction, dilatancy) = (tangent(first), tangent(dilation));
     let shape = match card.form {
         0 => DruckerPragerShape::Linear { friction, ratio: if second == 0.0 { 1.0 } else { second } },
@@ -205,5 +330,5 @@ fn drucker_prager(material: &MaterialDefinition) -> LawOrFault {
     if law.strength(0.0, 0.0) <= 0.0 {
         return fault(*span, "the cohesion is negative: tan(beta) is too large for this test", "");
     }
-    Ok(Box::new(law))
+    Ok(law)
 }

@@ -1,0 +1,201 @@
+//! Compaction of porous materials: the P-alpha law of Herrmann (1969, J. Appl. Phys. 40, 2490) in the form of Carroll and Holt
+//! (1972, J. Appl. Phys. 43, 759), p = p_solid(alpha rho, e)/alpha, for a solid with a linear Hugoniot.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
+
+use super::eos::{EosLine, LinearEos, UsUp, advance, advance_energy, specific_volume};
+use super::returns::root::bracketed_root;
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::material::carried::carried_state;
+use crate::material::volumetric::PressureUpdate;
+use crate::state::archive::Persist;
+
+/// Steps of the integration of the elastic distension up to the pressure at which compaction begins.
+const STEPS: usize = 200;
+
+/// A porous material. The distension alpha is the density of the solid over that of the porous material.
+#[derive(Clone, Debug)]
+pub struct PorousCompaction {
+    /// Solid without pores.
+    solid: UsUp,
+    /// Distension at the start, and that at which compaction begins.
+    distensions: [f64; 2],
+    /// Sound speed of the porous material at the start, length per time.
+    speed: f64,
+    /// Pressures at which compaction begins and ends, stress.
+    pressures: [f64; 2],
+}
+
+/// Distensions of the elements of a block.
+#[derive(Clone, Debug, Persist)]
+pub struct DistensionState {
+    /// Smallest distension on the crush curve so far.
+    smallest: Lanes,
+    current: Lanes,
+}
+
+impl DistensionState {
+    /// Returns the current distension of a lane.
+    pub(super) fn current(&self, lane: usize) -> f64 {
+        self.current[lane]
+    }
+}
+
+/// Path of the distension over the pressure from a state: the elastic line, then the crush curve.
+#[derive(Clone, Copy)]
+struct DistensionPath {
+    /// Pressure and distension at which the elastic line meets the crush curve.
+    meeting: [f64; 2],
+    /// Slope of the elastic line.
+    slope: f64,
+}
+
+impl PorousCompaction {
+    /// Creates the law from the solid, the sound speed and porosity at the start, and the pressures at which compaction begins
+    /// and ends. Equation (7.12).
+    pub fn new(solid: UsUp, speed: f64, porosity: f64, pressures: [f64; 2]) -> PorousCompaction {
+        let start = 1.0 / (1.0 - porosity);
+        let mut law = PorousCompaction { solid, distensions: [start; 2], speed, pressures };
+        // Runge and Kutta's method of fourth order.
+        let width = pressures[0] / STEPS as f64;
+        let mut distension = start;
+        for _ in 0..STEPS {
+            let first = law.elastic_slope(distension);
+            let second = law.elastic_slope(distension + 0.5 * width * first);
+            let third = law.elastic_slope(distension + 0.5 * width * second);
+            let fourth = law.elastic_slope(distension + width * third);
+            distension += width / 6.0 * (first + 2.0 * (second + third) + fourth);
+        }
+        law.distensions[1] = distension;
+        law
+    }
+
+    /// Returns the density of the porous material at the start.
+    pub fn initial_density(&self) -> f64 {
+        self.solid.density / self.distensions[0]
+    }
+
+    pub(super) fn start(&self) -> DistensionState {
+        let [start, elastic] = self.distensions;
+        DistensionState { smallest: [elastic; LANES], current: [start; LANES] }
+    }
+
+    /// Returns the elastic slope d(alpha)/dp at a distension. Equation (7.12).
+    fn elastic_slope(&self, distension: f64) -> f64 {
+        let UsUp { density, c0, .. } = self.solid;
+        let ratio = 1.0 + (distension - 1.0) * (self.speed - c0) / (c0 * (self.distensions[0] - 1.0));
+        distension * distension / (density * c0 * c0) * (1.0 - 1.0 / (ratio * ratio))
+    }
+
+    /// Returns the distension on the crush curve. Equation (7.11).
+    fn crushed(&self, pressure: f64) -> f64 {
+        let [begin, end] = self.pressures;
+        let left = ((end - pressure) / (end - begin)).max(0.0);
+        1.0 + (self.distensions[1] - 1.0) * left * left
+    }
+
+    /// Returns the path from a smallest distension. Unloading from a state of the crush curve is a straight line, so that it
+    /// dissipates nothing; before the first compaction the line is the chord.
+    fn path(&self, smallest: f64) -> DistensionPath {
+        let ([start, elastic], [begin, end]) = (self.distensions, self.pressures);
+        if smallest >= elastic {
+            return DistensionPath { meeting: [begin, elastic], slope: (elastic - start) / begin };
+        }
+        let left = ((smallest - 1.0) / (elastic - 1.0)).max(0.0).sqrt();
+        DistensionPath { meeting: [end - (end - begin) * left, smallest], slope: self.elastic_slope(smallest) }
+    }
+
+    /// Returns the distension at a pressure.
+    fn distension(&self, path: DistensionPath, pressure: f64) -> f64 {
+        let DistensionPath { meeting: [limit, smallest], slope } = path;
+        if pressure > limit { self.crushed(pressure) } else { smallest + (pressure - limit) * slope }
+    }
+
+    /// Returns the pressure line of the porous material at a fixed distension. Equation (7.10).
+    fn line(&self, specific_volume: f64, distension: f64) -> EosLine {
+        let volume = specific_volume / distension;
+        let EosLine { cold, per_energy, cold_slope, energy_slope } = self.solid.curve(1.0 / volume, volume);
+        EosLine { cold: cold / distension, per_energy: per_energy / distension, cold_slope, energy_slope }
+    }
+
+    /// Returns the distension at which a pressure that depends on it lies on the path; pressures decrease with it.
+    fn solve(&self, path: DistensionPath, current: f64, pressure: impl Fn(f64) -> f64) -> f64 {
+        let excess = |distension: f64| distension - self.distension(path, pressure(distension));
+        if path.slope == 0.0 && path.meeting[1] <= 1.0 {
+            return 1.0;
+        }
+        let mut upper = current;
+        for _ in 0..60 {
+            let value = excess(upper);
+            // A NaN is kept, so that the run halts.
+            if value.is_nan() || value >= 0.0 {
+                break;
+            }
+            upper = 1.0 + 2.0 * (upper - 1.0).max(1e-6);
+        }
+        bracketed_root(upper, 1.0, 1e-15, excess)
+    }
+
+    /// Returns the pressure line on the elastic path, at a specific volume and energy: a constant.
+    pub(super) fn unloading_line(&self, state: &DistensionState, lane: usize, [volume, energy]: [f64; 2]) -> EosLine {
+        let path = self.path(state.smallest[lane]);
+        let pressure = |distension: f64| {
+            let EosLine { cold, per_energy, .. } = self.line(volume, distension);
+            cold + per_energy * energy
+        };
+        let distension = self.solve(path, state.current[lane], pressure);
+        EosLine { cold: pressure(distension), per_energy: 0.0, cold_slope: 0.0, energy_slope: 0.0 }
+    }
+
+    /// Updates pressures, energies and distensions of a block.
+    pub(super) fn advance_block(&self, state: &mut DistensionState, energy: &mut Lanes, update: &mut PressureUpdate) {
+        for l in 0..LANES {
+            let volume = specific_volume(update, l);
+            let path = self.path(state.smallest[l]);
+            let pressure = |distension: f64| {
+                let line = self.line(volume, distension);
+                line.cold + line.per_energy * advance_energy(update, l, line, energy[l], 0.0)
+            };
+            let distension = self.solve(path, state.current[l], pressure);
+            energy[l] = advance(update, l, self.line(volume, distension), energy[l], [0.0, self.solid.floor()]);
+            let pressure = -update.mean[l];
+            state.current[l] = distension;
+            if pressure > path.meeting[0] {
+                state.smallest[l] = distension;
+            }
+            // The elastic change of the distension makes the material softer than at a fixed distension. Equation (7.13).
+            let slope = self.path(state.smallest[l]).slope;
+            let softer = 1.0 - (update.bulk[l] - pressure) / distension * slope;
+            update.bulk[l] /= if softer > 1.0 { softer } else { 1.0 };
+        }
+    }
+}
+
+carried_state!(DistensionState { smallest, current });
+
+#[cfg(test)]
+mod tests {
+    use super::{PorousCompaction, UsUp};
+
+    fn aluminium() -> PorousCompaction {
+        let solid = UsUp { density: 2700.0, c0: 5350.0, s: 1.34, gamma0: 2.0 };
+        PorousCompaction::new(solid, 3500.0, 0.2, [80e6, 700e6])
+    }
+
+    /// The bulk modulus at the start is the density times the square of the given sound speed, and the path is continuous.
+    #[test]
+    fn sound_speed_at_the_start_is_the_given_one() {
+        let law = aluminium();
+        let start = law.distensions[0];
+        let line = law.line(1.0 / law.initial_density(), start);
+        let fixed = law.initial_density() * line.cold_slope;
+        let bulk = fixed / (1.0 - fixed / start * law.elastic_slope(start));
+        let speed = (bulk / law.initial_density()).sqrt();
+        assert!((speed / 3500.0 - 1.0).abs() < 1e-9, "{speed}");
+        for smallest in [law.distensions[1], 1.1, 1.0] {
+            let path = law.path(smallest);
+            let below = law.distension(path, path.meeting[0] * (1.0 - 1e-12));
+            let above = law.distension(path, path.meeting[0] * (1.0 + 1e-12));
+            assert!((below - above).abs() < 1e-9 && (above - smallest).abs() < 1e-9, "{below} {above}");
+        }
+    }
+}

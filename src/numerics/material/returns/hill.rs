@@ -1,0 +1,209 @@
+//! Anisotropic yield of Hill (Hill 1948, Proc. R. Soc. A 193, 281; ABAQUS Analysis User's Guide, "Anisotropic
+//! yield/creep"), with isotropic hardening. The axes r, z, hoop of the material turn with it.
+
+use super::law::{ReturnPoint, StressReturn};
+use super::root::bracketed_root;
+use crate::kernel::hardening::LinearTable;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::rotation::rotate;
+use crate::variables::{Variable, VariableComponent};
+
+/// Metal whose yield stress depends on the direction.
+#[derive(Clone, Debug)]
+pub struct HillPotential {
+    /// Orthonormal directions, without mean stress, of the matrix of the criterion in the normal stresses r, z, hoop.
+    directions: [[f64; 3]; 2],
+    /// Factors on the squares of the stresses along `directions`, and on twice the square of the shear stress rz.
+    /// All are 1.5 for the von Mises stress.
+    factors: [f64; 3],
+    /// Yield stress of the reference test over plastic strain.
+    hardening: LinearTable,
+    /// Elastic moduli.
+    moduli: ElasticModuli,
+}
+
+/// Components of a stress on which the criterion depends: along the two directions, and the shear stress rz.
+type Components = [f64; 3];
+
+/// Only state: equivalent plastic strain.
+const STRAIN: usize = 0;
+
+impl HillPotential {
+    /// Builds the law from the ratios R11, R22, R33, R12 of yield stresses to that of the table (1, 2, 3: r, z, hoop;
+    /// R12 to the shear yield stress); `None` if the yield surface is not closed. R13 and R23 have no stress.
+    pub fn new(ratios: [f64; 4], hardening: LinearTable, moduli: ElasticModuli) -> Option<HillPotential> {
+        let [rr, zz, hoop, shear] = ratios.inline_map(|ratio| 1.0 / (ratio * ratio));
+        let [f, g, h] = [0.5 * (zz + hoop - rr), 0.5 * (hoop + rr - zz), 0.5 * (rr + zz - hoop)];
+        // The matrix [[g + h, -h, -g], [-h, f + h, -f], [-g, -f, f + g]] in the plane of zero mean stress, along
+        // (1, -1, 0)/sqrt(2) and (1, 1, -2)/sqrt(6).
+        let [across, along, mixed] = [0.5 * (f + g) + 2.0 * h, 1.5 * (f + g), 0.5 * 3.0_f64.sqrt() * (g - f)];
+        let half = 0.5 * (across - along);
+        let radius = (half * half + mixed * mixed).sqrt();
+        let mean = 0.5 * (across + along);
+        // Eigenvector of the larger eigenvalue; the form without cancellation.
+        let [x, y] = if half >= 0.0 { [half + radius, mixed] } else { [mixed, radius - half] };
+        let length = (x * x + y * y).sqrt();
+        let [x, y] = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
+        let [a, b] = [0.5_f64.sqrt(), 6.0_f64.sqrt().recip()];
+        let direction = |x: f64, y: f64| [x * a + y * b, y * b - x * a, -2.0 * y * b];
+        let factors = [mean + radius, mean - radius, 1.5 * shear];
+        let closed = factors.iter().all(|factor| *factor > 1e-9 && factor.is_finite());
+        let directions = [direction(x, y), direction(-y, x)];
+        closed.then_some(HillPotential { directions, factors, hardening, moduli })
+    }
+
+    /// Returns the equivalent stress of stress components.
+    fn equivalent(&self, components: Components) -> f64 {
+        let [a, b, shear] = components;
+        let [of_a, of_b, of_shear] = self.factors;
+        (of_a * a * a + of_b * b * b + 2.0 * of_shear * shear * shear).sqrt()
+    }
+
+    /// Returns the trial components reduced by plastic flow. `flow` is 2 G times the plastic multiplier over the
+    /// equivalent stress: (1 + flow P) S = S_trial, with P diagonal in these components.
+    fn reduced(&self, trial: Components, flow: f64) -> Components {
+        let [of_a, of_b, of_shear] = self.factors;
+        [trial[0] / (1.0 + flow * of_a), trial[1] / (1.0 + flow * of_b), trial[2] / (1.0 + flow * of_shear)]
+    }
+}
+
+impl StressReturn for HillPotential {
+    fn describe(&self) -> String {
+        "Hill anisotropic yield".to_owned()
+    }
+
+    fn moduli(&self) -> ElasticModuli {
+        self.moduli
+    }
+
+    fn initial_state(&self) -> Vec<f64> {
+        vec![0.0]
+    }
+
+    fn output(&self, part: VariableComponent) -> Option<usize> {
+        (part.variable == Variable::PlasticStrain).then_some(STRAIN)
+    }
+
+    fn update(&self, point: &mut ReturnPoint<'_>) {
+        let elastic = point.elastic(point.carried, self.moduli);
+        let [cosine, sine] =
+            if point.angle == 0.0 { [1.0, 0.0] } else { [libm::cos(point.angle), libm::sin(point.angle)] };
+        let [rr, zz, hoop, shear] = rotate(elastic, [cosine, -sine]);
+        let [a, b] = self.directions;
+        let trial = [rr * a[0] + zz * a[1] + hoop * a[2], rr * b[0] + zz * b[1] + hoop * b[2], shear];
+        let strain_before = point.state[STRAIN];
+        let yield_before = self.hardening.value(strain_before);
+        let trial_equivalent = self.equivalent(trial);
+        point.stress = elastic;
+        point.plastic = [0.0; 4];
+        // A NaN is not returned, so that the run halts.
+        if trial_equivalent.is_nan() || trial_equivalent <= yield_before * (1.0 + 1e-14) {
+            return;
+        }
+        let double_shear = 2.0 * self.moduli.shear;
+        let strain = |flow: f64, equivalent: f64| flow * equivalent / double_shear;
+        // Nearly linear in the flow, also for large increments.
+        let outside = |flow: f64| {
+            let equivalent = self.equivalent(self.reduced(trial, flow));
+            1.0 - self.hardening.value(strain_before + strain(flow, equivalent)) / equivalent
+        };
+        // At this flow the equivalent stress is the former yield stress or less: enough unless the table decreases.
+        let slowest = self.factors[0].min(self.factors[1]).min(self.factors[2]);
+        let mut most = (trial_equivalent / yield_before - 1.0) / slowest;
+        while outside(most) > 0.0 && most < 1e12 {
+            most *= 2.0;
+        }
+        let flow = bracketed_root(0.0, most, 1e-13, outside);
+        let end = self.reduced(trial, flow);
+        point.state[STRAIN] = strain_before + strain(flow, self.equivalent(end));
+        // Plastic strain in the axes of the material; it takes twice the shear modulus times itself from the stress.
+        let of = |i: usize| flow * self.factors[i] * end[i] / double_shear;
+        let [of_a, of_b] = [of(0), of(1)];
+        let normal = |i: usize| of_a * a[i] + of_b * b[i];
+        point.plastic = rotate([normal(0), normal(1), normal(2), of(2)], [cosine, sine]);
+        for (stress, plastic) in point.stress.iter_mut().zip(point.plastic) {
+            *stress -= double_shear * plastic;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATIOS: [f64; 4] = [1.0, 1.25, 0.9, 1.1];
+
+    fn metal(ratios: [f64; 4], rows: Vec<[f64; 2]>) -> HillPotential {
+        HillPotential::new(ratios, LinearTable { rows }, ElasticModuli::from_young(70_000.0, 0.33)).unwrap()
+    }
+
+    /// Applies a strain increment at an angle; returns stress, plastic strain and equivalent plastic strain.
+    fn strained(law: &HillPotential, strain: [f64; 4], angle: f64) -> ([f64; 4], [f64; 4], f64) {
+        let (moduli, carried, state, deleted) = (law.moduli, [0.0; 4], &mut law.initial_state(), false);
+        let ([dt, length, compacted, lost], stress, plastic) = ([1.0, 1.0, 0.0, 0.0], carried, carried);
+        let mut point = ReturnPoint {
+            strain,
+            carried,
+            angle,
+            dt,
+            length,
+            state,
+            moduli,
+            stress,
+            plastic,
+            compacted,
+            lost,
+            deleted,
+        };
+        law.update(&mut point);
+        let (stress, plastic) = (point.stress, point.plastic);
+        (stress, plastic, state[STRAIN])
+    }
+
+    /// Returns the criterion as published.
+    fn criterion([r1, r2, r3, r12]: [f64; 4], [s1, s2, s3, s12]: [f64; 4]) -> f64 {
+        let [r1, r2, r3, r12] = [r1, r2, r3, r12].map(|r| 1.0 / (r * r));
+        let square = (r2 + r3 - r1) * (s2 - s3) * (s2 - s3)
+            + (r3 + r1 - r2) * (s3 - s1) * (s3 - s1)
+            + (r1 + r2 - r3) * (s1 - s2) * (s1 - s2);
+        (0.5 * square + 3.0 * r12 * s12 * s12).sqrt()
+    }
+
+    /// Sheet with normal anisotropy r: the equibiaxial yield stress is sqrt((1 + r)/2) of the uniaxial one.
+    #[test]
+    fn equibiaxial_yield_stress_of_a_sheet() {
+        let anisotropy = 1.8_f64;
+        let thickness = (0.5 * (1.0 + anisotropy)).sqrt();
+        let law = metal([1.0, thickness, 1.0, 1.0], vec![[200.0, 0.0]]);
+        let [rr, zz, hoop, _] = strained(&law, [0.01, -0.02, 0.01, 0.0], 0.0).0;
+        assert!(((rr - zz) / (200.0 * thickness) - 1.0).abs() < 1e-12 && (rr - hoop).abs() < 1e-10);
+    }
+
+    /// Increments of all sizes end on the criterion as published, and dissipate the equivalent plastic strain times the
+    /// yield stress. A rotated material answers to a rotated strain with the rotated stress.
+    #[test]
+    fn increments_end_on_the_criterion() {
+        let law = metal(RATIOS, vec![[150.0, 0.0], [260.0, 0.08], [300.0, 0.5]]);
+        for size in [0.01, 0.3, 40.0] {
+            let strain = [0.7, -1.0, 0.2, 0.4].map(|part| part * size);
+            let (stress, plastic, equivalent) = strained(&law, strain, 0.0);
+            let yields = law.hardening.value(equivalent);
+            assert!((criterion(RATIOS, stress) / yields - 1.0).abs() < 1e-9, "{size}");
+            let work = super::super::law::contraction(stress, plastic);
+            assert!((work / (yields * equivalent) - 1.0).abs() < 1e-7, "{size}");
+            let (sine, cosine) = (0.6, 0.8);
+            let turned = strained(&law, rotate(strain, [cosine, sine]), libm::atan2(sine, cosine)).0;
+            for (a, b) in turned.iter().zip(rotate(stress, [cosine, sine])) {
+                assert!((a - b).abs() < 1e-9 * size * 70_000.0, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn open_yield_surfaces_are_refused() {
+        let law = |ratios| HillPotential::new(ratios, LinearTable { rows: vec![[1.0, 0.0]] }, ElasticModuli::default());
+        assert!(law([1.0, 1.0, 0.45, 1.0]).is_none() && law([0.4, 1.0, 1.0, 1.0]).is_none());
+        assert!(law(RATIOS).is_some_and(|law| law.factors.iter().sum::<f64>() > 0.0));
+    }
+}

@@ -1,0 +1,196 @@
+//! Porous metal plasticity (Gurson 1977, J. Eng. Mater. Technol. 99, 2; Tvergaard and Needleman 1984, Acta Metall. 32,
+//! 157; ABAQUS Analysis User's Guide, "Porous metal plasticity").
+
+use super::law::{ReturnPoint, StressReturn, TrialStress};
+use super::porous_return::{Increment, TOLERANCE};
+use crate::kernel::hardening::LinearTable;
+use crate::kernel::moduli::ElasticModuli;
+use crate::variables::{Variable, VariableComponent};
+
+/// Voids that nucleate around a mean plastic strain of the matrix, with a normal distribution, only while the mean
+/// stress is tensile (ABAQUS Theory Guide, "Porous metal plasticity").
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoidNucleation {
+    /// Mean of the plastic strain of nucleation.
+    pub mean: f64,
+    /// Standard deviation of that strain.
+    pub deviation: f64,
+    /// Volume fraction of all nucleating voids.
+    pub fraction: f64,
+}
+
+impl VoidNucleation {
+    /// Returns the nucleating volume fraction per plastic strain.
+    pub(super) fn density(&self, strain: f64) -> f64 {
+        let distance = (strain - self.mean) / self.deviation;
+        let scale = self.fraction / ((2.0 * std::f64::consts::PI).sqrt() * self.deviation);
+        scale * libm::exp(-0.5 * distance * distance)
+    }
+}
+
+/// Void volume fractions at which the material loses its strength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoidFailure {
+    /// Fraction at which voids begin to coalesce.
+    pub critical: f64,
+    /// Fraction at which the element is deleted.
+    pub failure: f64,
+}
+
+/// Metal with voids, which dilates and softens under tension.
+#[derive(Clone, Debug)]
+pub struct PorousMetal {
+    /// Constants q1, q2, q3 of the yield surface.
+    pub constants: [f64; 3],
+    /// Void volume fraction at the start: 1 less the relative density.
+    pub voids: f64,
+    /// Yield stress of the matrix over its plastic strain.
+    pub hardening: LinearTable,
+    /// Nucleation of voids; none without the card.
+    pub nucleation: Option<VoidNucleation>,
+    /// Coalescence of voids and deletion; none without the card.
+    pub failure: Option<VoidFailure>,
+    /// Elastic moduli of the matrix, also those of the porous metal.
+    pub moduli: ElasticModuli,
+}
+
+/// States: equivalent plastic strain of the matrix, void volume fraction, relative density.
+const STRAIN: usize = 0;
+const VOIDS: usize = 1;
+const DENSITY: usize = 2;
+
+impl PorousMetal {
+    /// Returns the effective void volume fraction f*, and its derivative. It stays so far below the fraction without
+    /// strength that a small yield surface remains.
+    pub(super) fn effective(&self, voids: f64) -> [f64; 2] {
+        let [q1, _, q3] = self.constants;
+        // The yield surface vanishes at the smaller root of 1 + q3 f² = 2 q1 f; coalescence leads to the larger one.
+        let sum = q1 + (q1 * q1 - q3).max(0.0).sqrt();
+        let most = 0.999 / sum;
+        let [value, slope] = match self.failure {
+            Some(VoidFailure { critical, failure }) if voids > critical && failure > critical => {
+                let slope = (sum / q3 - critical) / (failure - critical);
+                [critical + slope * (voids - critical), slope]
+            }
+            _ => [voids, 1.0],
+        };
+        if value > most { [most, 0.0] } else { [value, slope] }
+    }
+}
+
+impl StressReturn for PorousMetal {
+    fn describe(&self) -> String {
+        "porous metal (Gurson)".to_owned()
+    }
+
+    fn moduli(&self) -> ElasticModuli {
+        self.moduli
+    }
+
+    fn initial_state(&self) -> Vec<f64> {
+        vec![0.0, self.voids, 1.0 - self.voids]
+    }
+
+    fn output(&self, part: VariableComponent) -> Option<usize> {
+        match part.variable {
+            Variable::PlasticStrain => Some(STRAIN),
+            Variable::VoidVolumeFraction => Some(VOIDS),
+            Variable::RelativeDensity => Some(DENSITY),
+            _ => None,
+        }
+    }
+
+    fn deletes(&self) -> bool {
+        self.failure.is_some()
+    }
+
+    fn update(&self, point: &mut ReturnPoint<'_>) {
+        let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
+        let strain = point.state[STRAIN];
+        let yield_stress = self.hardening.value(strain);
+        let before =
+            Increment { strain, voids: point.state[VOIDS], yield_stress, mises: trial.mises, mean: -trial.pressure };
+        let first = self.trial(&before);
+        // A NaN is not returned, so that the run halts.
+        if first.excess.is_nan() || first.excess <= TOLERANCE {
+            return point.return_to(&trial, trial.pressure, trial.mises, 0.0);
+        }
+        let end = self.newton(&before, first).unwrap_or_else(|| self.bracketed(&before));
+        point.state[STRAIN] = end.strain;
+        point.state[VOIDS] = end.voids;
+        point.state[DENSITY] = 1.0 - end.voids;
+        point.deleted |= self.failure.is_some_and(|failure| end.voids >= failure.failure);
+        point.return_to(&trial, -end.mean, end.mises, (before.mean - end.mean) / self.moduli.bulk);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn metal(rows: Vec<[f64; 2]>) -> PorousMetal {
+        let moduli = ElasticModuli::from_young(70_000.0, 0.33);
+        let hardening = LinearTable { rows };
+        PorousMetal { constants: [1.4, 0.9, 1.8], voids: 0.02, hardening, nucleation: None, failure: None, moduli }
+    }
+
+    fn strained(law: &PorousMetal, state: &mut [f64], carried: [f64; 4], strain: [f64; 4]) -> ([f64; 4], bool) {
+        let (moduli, stress, plastic, deleted) = (law.moduli, carried, [0.0; 4], false);
+        let [angle, dt, length, compacted, lost] = [0.0, 1.0, 1.0, 0.0, 0.0];
+        let mut point = ReturnPoint {
+            strain,
+            carried,
+            angle,
+            dt,
+            length,
+            state,
+            moduli,
+            stress,
+            plastic,
+            compacted,
+            lost,
+            deleted,
+        };
+        law.update(&mut point);
+        (point.stress, point.deleted)
+    }
+
+    /// Hydrostatic stress and voids in closed form: 2/(3 q2) y acosh((1 + q3 f²)/(2 q1 f)), f = 1 - (1 - f0) exp(-ev).
+    #[test]
+    fn hydrostatic_tension_and_compression_are_exact() {
+        let law = metal(vec![[300.0, 0.0]]);
+        let [q1, q2, q3] = law.constants;
+        for (steps, size) in [(400, 0.04), (1, 0.1), (400, -0.006), (1, -0.006)] {
+            let (mut state, mut stress) = (law.initial_state(), [0.0; 4]);
+            let step = size / f64::from(steps);
+            for _ in 0..steps {
+                stress = strained(&law, &mut state, stress, [step, step, step, 0.0]).0;
+            }
+            let voids = state[VOIDS];
+            let ratio = libm::acosh((1.0 + q3 * voids * voids) / (2.0 * q1 * voids)) / (1.5 * q2);
+            assert!((stress[0].abs() / (300.0 * ratio) - 1.0).abs() < 1e-7, "{size}: {stress:?}");
+            let plastic = 3.0 * size - stress[0] / law.moduli.bulk;
+            assert!((voids - 1.0 + 0.98 * libm::exp(-plastic)).abs() < 1e-12);
+        }
+    }
+
+    /// Increments of all sizes end on the yield surface; the element is deleted once the voids suffice.
+    #[test]
+    fn large_increments_end_on_the_surface() {
+        let mut law = metal(vec![[300.0, 0.0], [400.0, 0.1], [450.0, 0.6]]);
+        law.nucleation = Some(VoidNucleation { mean: 0.2, deviation: 0.1, fraction: 0.04 });
+        law.failure = Some(VoidFailure { critical: 0.1, failure: 0.25 });
+        for [volume, shear] in [[0.01, 0.01], [0.0, 0.3], [0.3, 0.0], [-0.2, 2.0], [-0.5, 0.0], [1e-9, 0.1], [3.0, 9.0]]
+        {
+            let mut state = law.initial_state();
+            let (stress, deleted) = strained(&law, &mut state, [0.0; 4], [volume, volume, volume, shear]);
+            let end = TrialStress::of(stress);
+            let [voids, yield_stress] = [state[VOIDS], law.hardening.value(state[STRAIN])];
+            let before =
+                Increment { strain: state[STRAIN], yield_stress, voids, mises: end.mises, mean: -end.pressure };
+            let excess = law.trial(&before).excess;
+            assert!(excess.abs() < 1e-6 && state[STRAIN] > 0.0, "{volume} {shear}: {excess}");
+            assert_eq!(deleted, voids >= 0.25);
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Return of a trial stress to the yield surface of a porous metal (Aravas 1987, Int. J. Numer. Meth. Eng. 24, 1395:
+//! two unknowns, the deviatoric and the volumetric flow).
+
+use super::porous_metal::PorousMetal;
+use super::root::bracketed_root;
+use crate::kernel::moduli::ElasticModuli;
+
+/// Most Newton steps; more are needed for increments many times the yield strain only, which are bracketed.
+const NEWTON_STEPS: usize = 12;
+/// Values of the yield function, and relative errors of the flow, that are zero.
+pub(super) const TOLERANCE: f64 = 1e-8;
+
+/// Largest 1.5 q2 p/y in the yield function. Voids of a fraction below 1e-9 are closed: they do not depend on the
+/// pressure, for no number could represent them at a higher one.
+const LARGEST_RATIO: f64 = 20.0;
+
+/// Plastic strain and yield stress of the matrix and void volume fraction before an increment; invariants of the trial.
+pub(super) struct Increment {
+    pub strain: f64,
+    pub yield_stress: f64,
+    pub voids: f64,
+    pub mises: f64,
+    pub mean: f64,
+}
+
+/// State after an increment with a given flow.
+#[derive(Clone, Copy)]
+pub(super) struct Flowed {
+    pub mises: f64,
+    pub mean: f64,
+    pub strain: f64,
+    pub voids: f64,
+    /// Nucleating void volume fraction per plastic strain.
+    nucleation: f64,
+    yield_stress: f64,
+    /// Effective void volume fraction f*, and its derivative by the void volume fraction.
+    effective: [f64; 2],
+    /// Hyperbolic cosine and sine of 1.5 q2 mean/yield.
+    cosh: f64,
+    sinh: f64,
+    /// Yield function.
+    pub excess: f64,
+    /// Plastic dilation less that of the flow rule.
+    mismatch: f64,
+}
+
+impl PorousMetal {
+    /// Returns the state after an increment. `flow` is the trial over the final von Mises stress, less 1: 6 G/y² times
+    /// the plastic multiplier.
+    pub(super) fn flowed(&self, before: &Increment, flow: f64, dilation: f64) -> Flowed {
+        let mises = before.mises / (1.0 + flow);
+        let mean = before.mean - self.moduli.bulk * dilation;
+        let work = (mises * (before.mises - mises) / (3.0 * self.moduli.shear) + mean * dilation).max(0.0);
+        // Growth of voids in an incompressible matrix, whose work is done at the yield stress in the middle.
+        let grown = before.voids - (1.0 - before.voids) * libm::expm1(-dilation);
+        let scaled_work = work / (1.0 - 0.5 * (before.voids + grown));
+        let middle = before.strain + 0.5 * scaled_work / before.yield_stress;
+        let gained = scaled_work / self.hardening.value(middle);
+        let strain = before.strain + gained;
+        let nucleation = match self.nucleation {
+            Some(voids) if mean > 0.0 => voids.density(before.strain + 0.5 * gained),
+            _ => 0.0,
+        };
+        let voids = (grown + nucleation * gained).max(0.0);
+        let yield_stress = self.hardening.value(strain);
+        let effective = self.effective(voids);
+        let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
+        let excess = self.excess(mises / yield_stress, effective[0], cosh);
+        let mismatch = dilation - flow * self.dilatancy(yield_stress) * effective[0] * sinh;
+        Flowed { mises, mean, strain, voids, nucleation, yield_stress, effective, cosh, sinh, excess, mismatch }
+    }
+
+    /// Returns the hyperbolic cosine and sine of 1.5 q2 mean/yield.
+    fn hyperbolic(&self, mean: f64, yield_stress: f64) -> [f64; 2] {
+        let ratio = 1.5 * self.constants[1] * mean / yield_stress;
+        let exponential = libm::exp(ratio.clamp(-LARGEST_RATIO, LARGEST_RATIO));
+        [0.5 * (exponential + 1.0 / exponential), 0.5 * (exponential - 1.0 / exponential)]
+    }
+
+    /// Returns the yield function for the von Mises stress over the yield stress, f*, and the hyperbolic cosine.
+    fn excess(&self, ratio: f64, effective: f64, cosh: f64) -> f64 {
+        let [q1, _, q3] = self.constants;
+        ratio * ratio + 2.0 * q1 * effective * cosh - 1.0 - q3 * effective * effective
+    }
+
+    /// Returns the state of the trial, without nucleation: [`Self::flowed`] without flow, but faster.
+    pub(super) fn trial(&self, before: &Increment) -> Flowed {
+        let &Increment { strain, yield_stress, voids, mises, mean } = before;
+        let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
+        let effective = self.effective(voids);
+        let excess = self.excess(mises / yield_stress, effective[0], cosh);
+        Flowed {
+            mises,
+            mean,
+            strain,
+            voids,
+            nucleation: 0.0,
+            yield_stress,
+            effective,
+            cosh,
+            sinh,
+            excess,
+            mismatch: 0.0,
+        }
+    }
+
+    /// Returns the plastic dilation over flow, f* and the hyperbolic sine.
+    fn dilatancy(&self, yield_stress: f64) -> f64 {
+        self.constants[0] * self.constants[1] * yield_stress / (2.0 * self.moduli.shear)
+    }
+
+    /// Returns the state on the yield surface by Newton's method from the trial; `None` if it does not converge.
+    pub(super) fn newton(&self, before: &Increment, trial: Flowed) -> Option<Flowed> {
+        let [q1, q2, q3] = self.constants;
+        let ElasticModuli { bulk, shear } = self.moduli;
+        let largest = before.mean / bulk;
+        let [mut flow, mut dilation] = [0.0, 0.0];
+        let mut now = trial;
+        for _ in 0..NEWTON_STEPS {
+            let gained = now.strain - before.strain;
+            let Flowed { mises, mean, yield_stress, effective: [effective, growth], cosh, sinh, .. } = now;
+            // Partial derivatives: of the yield stress and f* by the work on the matrix, ...
+            let solid = 1.0 - now.voids;
+            let slope = if gained > 0.0 { (yield_stress - before.yield_stress) / gained } else { 0.0 };
+            let yield_by_work = slope / (solid * yield_stress);
+            let voids_by_work = growth * now.nucleation / (solid * yield_stress);
+            // of the yield function and the flow rule by these two, ...
+            let (square, angle) = (mises * mises / (yield_stress * yield_stress), 1.5 * q2 / yield_stress);
+            let spread = self.dilatancy(yield_stress);
+            let by_yield = -2.0 * (square + q1 * effective * sinh * angle * mean) / yield_stress;
+            let by_voids = 2.0 * (q1 * cosh - q3 * effective);
+            let flow_by_yield = -flow * spread * effective * (sinh - cosh * angle * mean) / yield_stress;
+            let flow_by_voids = -flow * spread * sinh;
+            let by_work = by_yield * yield_by_work + by_voids * voids_by_work;
+            let flow_by_work = flow_by_yield * yield_by_work + flow_by_voids * voids_by_work;
+            // and of the work. Then those of the yield function (a, b) and the flow rule (c, d) by flow and dilation.
+            let work_by_flow = mises / (1.0 + flow) * (2.0 * mises - before.mises) / (3.0 * shear);
+            let work_by_dilation = mean - bulk * dilation;
+            let a = by_work * work_by_flow - 2.0 * square / (1.0 + flow);
+            let b = by_work * work_by_dilation + by_voids * growth * solid - 2.0 * q1 * effective * sinh * angle * bulk;
+            let c = flow_by_work * work_by_flow - spread * effective * sinh;
+            let d = flow_by_work * work_by_dilation
+                + flow_by_voids * growth * solid
+                + (1.0 + flow * spread * effective * cosh * angle * bulk);
+            let determinant = a * d - b * c;
+            // The yield function without voids is linear in (1 + flow)^-2; so a step is straight in this variable.
+            let step = (now.mismatch * b - now.excess * d) / determinant;
+            let straight = 1.0 - 2.0 * step / (1.0 + flow);
+            flow = if straight > 0.1 { (1.0 + flow) / straight.sqrt() - 1.0 } else { flow + step };
+            flow = flow.max(0.0);
+            dilation -= (now.mismatch * a - now.excess * c) / determinant;
+            // The mean stress does not change its sign.
+            dilation = dilation.max(largest.min(0.0)).min(largest.max(0.0));
+            now = self.flowed(before, flow, dilation);
+            if now.excess.abs() <= TOLERANCE && now.mismatch.abs() * bulk <= TOLERANCE * now.yield_stress {
+                return Some(now);
+            }
+        }
+        None
+    }
+
+    /// Returns the state on the yield surface for any increment.
+    pub(super) fn bracketed(&self, before: &Increment) -> Flowed {
+        let largest = before.mean / self.moduli.bulk;
+        let sign = if largest < 0.0 { -1.0 } else { 1.0 };
+        let along = |flow: f64| {
+            let mismatch = |dilation: f64| sign * self.flowed(before, flow, dilation).mismatch;
+            let dilation = bracketed_root(largest, 0.0, 1e-15 * largest.abs(), mismatch);
+            self.flowed(before, flow, dilation)
+        };
+        // Nearly linear also far outside.
+        let outside = |flow: f64| {
+            let Flowed { excess, effective, .. } = along(flow);
+            libm::log1p(excess / (1.0 + self.constants[2] * effective[0] * effective[0]))
+        };
+        let mut most = 1.0;
+        while outside(most) > 0.0 && most < 1e12 {
+            most *= 8.0;
+        }
+        along(bracketed_root(0.0, most, TOLERANCE, outside))
+    }
+}
