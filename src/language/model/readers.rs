@@ -3,7 +3,8 @@
 
 use super::builder::ModelBuilder;
 use super::types::{
-    FailedMaterial, FoamYieldSurface, MaterialDefinition, PoreCompaction, RayleighCoefficients, TensileFailure, ThermalExpansion,
+    FailedMaterial, FoamYieldSurface, MaterialDefinition, PoreCompaction, RayleighCoefficients, TensileFailure,
+    ThermalExpansion,
 };
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,

@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
 use super::eos::{EosLine, LinearEos, UsUp, advance, advance_energy, specific_volume};
-use super::returns::root::bracketed_root;
+use super::returns::root::nearby_root;
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;
 use crate::material::volumetric::PressureUpdate;
@@ -123,16 +123,13 @@ impl PorousCompaction {
         if path.slope == 0.0 && path.meeting[1] <= 1.0 {
             return 1.0;
         }
-        let mut upper = current;
-        for _ in 0..60 {
-            let value = excess(upper);
-            // A NaN is kept, so that the run halts.
-            if value.is_nan() || value >= 0.0 {
-                break;
-            }
-            upper = 1.0 + 2.0 * (upper - 1.0).max(1e-6);
+        let value = excess(current);
+        // A NaN is kept, so that the run halts.
+        if value >= 0.0 {
+            return nearby_root(current, value, 1.0, 1e-14, excess).unwrap_or(1.0);
         }
-        bracketed_root(upper, 1.0, 1e-15, excess)
+        let most = 1.0 + 2.0 * (self.distensions[0] - 1.0);
+        nearby_root(current, -value, most, 1e-14, |distension| -excess(distension)).unwrap_or(most)
     }
 
     /// Returns the pressure line on the elastic path, at a specific volume and energy: a constant.

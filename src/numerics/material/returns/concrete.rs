@@ -3,7 +3,7 @@
 
 use super::concrete_return::{ConcretePath, ConcreteSurface, principal, tension_share};
 use super::concrete_tables::{ConcreteStrength, ConcreteTable, LARGEST_DAMAGE};
-use super::law::{ReturnPoint, StressReturn, TrialStress, contraction};
+use super::law::{ReturnPoint, StressReturn, TrialStress, contraction, elastic_energy};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
@@ -111,6 +111,10 @@ impl StressReturn for ConcreteDamagedPlasticity {
 
     fn deletes(&self) -> bool {
         self.failure.is_some()
+    }
+
+    fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
+        elastic_energy(stress, self.moduli) / (1.0 - state[DEGRADATION])
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {

@@ -1,7 +1,7 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
 use super::law::{ReturnPoint, StressReturn, TrialStress, determinant, raised};
-use super::root::bracketed_root;
+use super::root::{bracketed_root, nearby_root};
 use crate::kernel::hardening::{LinearTable, RateFactor};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
@@ -69,14 +69,19 @@ struct Invariants {
 }
 
 impl Invariants {
-    fn of(pressure: f64, deviator: [f64; 4]) -> Invariants {
+    /// Returns the invariants that a shape of the yield surface needs.
+    fn of(pressure: f64, deviator: [f64; 4], shape: DruckerPragerShape) -> Invariants {
         let mises = mises(deviator);
-        let third = if mises > 0.0 { 13.5 * determinant(deviator) / (mises * mises * mises) } else { 0.0 };
+        let is_round = !matches!(shape, DruckerPragerShape::Linear { ratio, .. } if ratio < 1.0);
+        let third = if is_round || mises == 0.0 { 0.0 } else { 13.5 * determinant(deviator) / (mises * mises * mises) };
         Invariants { pressure, mises, third }
     }
 
     /// Returns the measure t of the deviator.
     fn measure(self, ratio: f64) -> f64 {
+        if ratio == 1.0 {
+            return self.mises;
+        }
         0.5 * self.mises * ((1.0 + 1.0 / ratio) - (1.0 - 1.0 / ratio) * self.third)
     }
 }
@@ -205,7 +210,7 @@ impl Increment<'_> {
                 (sum + 2.0 * difference * of_third) * 1.5 * s[i] / q - difference * cofactor
             };
             increment.direction = [0, 1, 2, 3].inline_map(part);
-            let measure = Invariants::of(trial.pressure, s).measure(ratio);
+            let measure = Invariants::of(trial.pressure, s, law.shape).measure(ratio);
             increment.longest = q * q / (3.0 * law.moduli.shear * measure);
         }
         increment
@@ -229,7 +234,7 @@ impl Increment<'_> {
     }
 
     fn state(&self, pressure: f64, deviator: [f64; 4], multiplier: f64) -> PathState {
-        let stress = Invariants::of(pressure, deviator);
+        let stress = Invariants::of(pressure, deviator, self.law.shape);
         let hardening = self.law.hardening_strain(self.strain_before, stress, multiplier);
         let strain = self.strain_before + hardening;
         let outside = self.law.measure(stress) - self.law.strength(strain, self.rate(hardening));
@@ -290,21 +295,23 @@ impl StressReturn for DruckerPrager {
 
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
-        let increment = Increment::new(self, trial, point.state[STRAIN], point.dt);
-        let first = increment.along(1.0).outside;
-        let size = self.strength(point.state[STRAIN], 0.0).abs() + trial.pressure.abs() + trial.mises;
+        let strength = self.strength(point.state[STRAIN], 0.0);
+        let first = self.measure(Invariants::of(trial.pressure, trial.deviator, self.shape)) - strength;
+        let size = strength.abs() + trial.pressure.abs() + trial.mises;
         // A NaN is not returned, so that the run halts.
         if first.is_nan() || first <= 1e-14 * size {
             return point.return_to(&trial, trial.pressure, trial.mises, 0.0);
         }
         // The smooth potential reaches all pressures before the von Mises stress vanishes, the linear one does not.
         let smallest = if self.rounding() > 0.0 { 1e-12 } else { 0.0 };
-        let ends_at_apex = trial.mises <= 1e-12 * size || increment.along(smallest).outside > 0.0;
-        let PathState { pressure, deviator, strain, .. } = if ends_at_apex {
-            increment.at_apex()
+        let increment = Increment::new(self, trial, point.state[STRAIN], point.dt);
+        let share = if trial.mises <= 1e-12 * size {
+            None
         } else {
-            increment.along(bracketed_root(1.0, smallest, 1e-13 * size, |share| increment.along(share).outside))
+            nearby_root(1.0, first, smallest, 1e-13 * size, |share| increment.along(share).outside)
         };
+        let PathState { pressure, deviator, strain, .. } =
+            share.map_or_else(|| increment.at_apex(), |share| increment.along(share));
         point.state[STRAIN] = strain;
         point.return_to_deviator(&trial, pressure, deviator, (pressure - trial.pressure) / self.moduli.bulk);
     }

@@ -3,9 +3,10 @@
 //! Ballistics, 591).
 
 use super::compression::CompressionLaw;
-use super::law::{ReturnPoint, StressReturn, TrialStress, rate_factor, raised};
+use super::law::{ReturnPoint, StressReturn, TrialStress, raised, rate_factor};
 use super::root::bracketed_root;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::stress::mises;
 use crate::variables::{Variable, VariableComponent};
 
 /// Constants of the law.
@@ -131,6 +132,11 @@ impl StressReturn for HolmquistJohnsonCook {
 
     fn deletes(&self) -> bool {
         self.deletion > 0.0
+    }
+
+    fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
+        let mises = mises(stress);
+        mises * mises / (6.0 * self.shear) + state[ENERGY] / libm::exp(state[DILATION])
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {

@@ -2,8 +2,9 @@
 //! model for brittle materials", AIP Conference Proceedings 309, 981).
 
 use super::compression::CompressionLaw;
-use super::law::{ReturnPoint, StressReturn, TrialStress, rate_factor, raised};
+use super::law::{ReturnPoint, StressReturn, TrialStress, raised, rate_factor};
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::stress::mises;
 use crate::variables::{Variable, VariableComponent};
 
 /// Constants of the law, in the order of the user material `ABQ_JH2`. Strengths are normalised by the von Mises stress at the
@@ -55,8 +56,7 @@ impl JohnsonHolmquist {
         let [b, m, largest_fractured] = self.fractured;
         let normalised = pressure / hydrostatic;
         let intact = (a * raised(normalised + self.tension / hydrostatic, n) * rate).min(largest_intact);
-        let fractured =
-            if damage > 0.0 { (b * raised(normalised, m) * rate).min(largest_fractured) } else { 0.0 };
+        let fractured = if damage > 0.0 { (b * raised(normalised, m) * rate).min(largest_fractured) } else { 0.0 };
         1.5 * (axial - hydrostatic) * (intact - damage * (intact - fractured))
     }
 
@@ -100,6 +100,11 @@ impl StressReturn for JohnsonHolmquist {
 
     fn deletes(&self) -> bool {
         self.deletion != 0.0
+    }
+
+    fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
+        let mises = mises(stress);
+        mises * mises / (6.0 * self.shear) + state[ENERGY] / libm::exp(state[DILATION])
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {

@@ -25,6 +25,11 @@ pub trait StressReturn: Send + Sync {
         false
     }
 
+    /// Returns the recoverable energy per current volume of a stress and state.
+    fn recoverable_energy(&self, stress: [f64; 4], _state: &[f64]) -> f64 {
+        elastic_energy(stress, self.moduli())
+    }
+
     /// Updates state and stress over an increment.
     fn update(&self, point: &mut ReturnPoint<'_>);
 }
@@ -129,6 +134,12 @@ impl ReturnPoint<'_> {
         }
         self.state[energy] = recoverable;
     }
+}
+
+/// Returns the elastic energy per volume of a stress.
+pub fn elastic_energy(stress: [f64; 4], moduli: ElasticModuli) -> f64 {
+    let TrialStress { pressure, mises, .. } = TrialStress::of(stress);
+    mises * mises / (6.0 * moduli.shear) + pressure * pressure / (2.0 * moduli.bulk)
 }
 
 /// Returns the determinant of a tensor rr, zz, hoop, rz.

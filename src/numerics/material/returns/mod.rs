@@ -104,31 +104,38 @@ impl Material for ReturnMaterial {
                 deleted: false,
             };
             self.0.update(&mut point);
-            let ReturnPoint { strain: increment, moduli, stress: new, plastic, compacted, lost, deleted, .. } = point;
+            let ReturnPoint { strain: increment, moduli, plastic, compacted, lost, deleted, .. } = point;
+            let new = if deleted { [0.0; 4] } else { point.stress };
+            let both = std::array::from_fn(|i| 0.5 * (carried[i] + new[i]));
+            let (volume, work) = (strain.volume[l], contraction(both, increment));
+            update.internal[l] += volume * work;
+            if deleted {
+                // The force of the element ends with its stress: its elastic energy and the work of the increment are lost.
+                let previous: [f64; MOST_STATES] =
+                    std::array::from_fn(|i| state.states.get(i).map_or(0.0, |list| list[l]));
+                let lost = volume * (work + self.0.recoverable_energy(carried, &previous[..count]));
+                update.dissipated[l] += lost;
+                update.damaged[l] += lost;
+                state.active[l] = 0.0;
+                update.deleted += 1;
+            } else {
+                update.dissipated[l] += volume * (contraction(both, plastic) + compacted + lost);
+                update.damaged[l] += volume * lost;
+            }
             for (list, value) in state.states.iter_mut().zip(values) {
                 list[l] = value;
             }
-            let both = std::array::from_fn(|i| 0.5 * (carried[i] + new[i]));
-            let volume = strain.volume[l];
-            update.internal[l] += volume * contraction(both, increment);
-            update.dissipated[l] += volume * (contraction(both, plastic) + compacted + lost);
-            update.damaged[l] += volume * lost;
             update.flow[l] = contraction(plastic, plastic);
             let trial = mises(column(&update.deviator, l));
             let deviator = TrialStress::of(new).deviator;
             for i in 0..4 {
-                (update.plastic[i][l], update.deviator[i][l]) = (plastic[i], deviator[i]);
-                stress[i][l] = if deleted { 0.0 } else { new[i] };
+                (update.plastic[i][l], update.deviator[i][l], stress[i][l]) = (plastic[i], deviator[i], new[i]);
             }
             let ratio = if trial > 0.0 { mises(new) / trial } else { 1.0 };
             update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
             // The constants of the elements contain the shear modulus.
             update.bulk[l] = moduli.bulk + 4.0 / 3.0 * (moduli.shear - strain.moduli.shear);
             update.shear[l] = moduli.shear;
-            if deleted {
-                state.active[l] = 0.0;
-                update.deleted += 1;
-            }
         }
     }
 

@@ -36,9 +36,53 @@ pub fn bracketed_root(mut positive: f64, mut other: f64, tolerance: f64, functio
     other
 }
 
+/// Returns the root next to `start`, where the function has the positive value `first`, on the way to `limit`; `None` if the
+/// function is positive up to there. Returns are short compared with the way, so that secants find it in few steps.
+pub fn nearby_root(start: f64, first: f64, limit: f64, tolerance: f64, function: impl Fn(f64) -> f64) -> Option<f64> {
+    if first <= tolerance {
+        return Some(start);
+    }
+    let (mut positive, mut value) = (start, first);
+    let mut step = FIRST_STEP * (limit - start);
+    for _ in 0..ITERATIONS {
+        // Rounding does not move the last step off the limit.
+        let is_last = (limit - positive).abs() <= step.abs() * (1.0 + 1e-12);
+        let next = if is_last { limit } else { positive + step };
+        let next_value = function(next);
+        if next_value.abs() <= tolerance {
+            return Some(next);
+        }
+        if next_value < 0.0 {
+            return Some(bracketed_root(positive, next, tolerance, function));
+        }
+        if is_last || next_value.is_nan() {
+            return None;
+        }
+        // The secant, slightly longer so that it brackets the root; at least twice the last step if it does not fall.
+        let fall = value - next_value;
+        let secant = if fall > 0.0 { 1.001 * next_value / fall * step } else { f64::INFINITY * step };
+        step = if secant.abs() < 1e3 * step.abs() { secant } else { 1e3 * step };
+        (positive, value) = (next, next_value);
+    }
+    None
+}
+
+/// First step of [`nearby_root`] over the way to the limit.
+const FIRST_STEP: f64 = 1e-4;
+
 #[cfg(test)]
 mod tests {
-    use super::bracketed_root;
+    use super::{bracketed_root, nearby_root};
+
+    #[test]
+    fn nearby_root_is_the_first_one_or_none() {
+        let function = |x: f64| (x - 0.7).powi(2) - 0.01;
+        let found = nearby_root(1.0, function(1.0), 0.0, 1e-14, function);
+        assert!(found.is_some_and(|x| (x - 0.8).abs() < 1e-9), "{found:?}");
+        assert_eq!(nearby_root(1.0, 0.5, 0.0, 1e-14, |x| x * x + 0.5), None);
+        let steep = nearby_root(1.0, 1.0, 0.0, 1e-12, |x| 1e6 * (x - 1.0) + 1.0);
+        assert!(steep.is_some_and(|x| (x - 0.999_999).abs() < 1e-12), "{steep:?}");
+    }
 
     #[test]
     fn finds_roots_of_smooth_kinked_and_steep_functions() {

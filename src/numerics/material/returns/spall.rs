@@ -2,7 +2,7 @@
 //! failure without element deletion).
 
 use super::law::{ReturnPoint, StressReturn, TrialStress};
-use super::root::bracketed_root;
+use super::root::nearby_root;
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
@@ -34,7 +34,7 @@ impl SpallingSolid {
             return 0.0;
         }
         let outside = |flow: f64| mises - shear3 * flow - self.hardening.value(strain + flow);
-        bracketed_root(0.0, mises / shear3, 1e-13 * mises, outside)
+        nearby_root(0.0, outside(0.0), mises / shear3, 1e-13 * mises, outside).unwrap_or(mises / shear3)
     }
 }
 

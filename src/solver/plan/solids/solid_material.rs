@@ -24,8 +24,9 @@ use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::model::{
-    DamageEvolution, EosKind, EquationOfState as EosDefinition, FailedMaterial, FailureCriterion, HourglassMethod, MaterialDefinition, Model,
-    PlasticityModel, PoreCompaction, RateDependence, SectionControls, SolidSection, StrainAtFailure,
+    DamageEvolution, EosKind, EquationOfState as EosDefinition, FailedMaterial, FailureCriterion, HourglassMethod,
+    MaterialDefinition, Model, PlasticityModel, PoreCompaction, RateDependence, SectionControls, SolidSection,
+    StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::strength::{moduli_of_law, spalling_law, spalls, strength_law};
@@ -576,7 +577,11 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
             return no_failure(tensile.span, "WEIGHTING=AREA with a tensile cutoff without deletion", report);
         }
         if !tensile.deletes && (tensile.loses_shear || tensile.loses_tension) {
-            return no_failure(tensile.span, "BRITTLE failure without deletion needs *ELASTIC in place of *EOS", report);
+            return no_failure(
+                tensile.span,
+                "BRITTLE failure without deletion needs *ELASTIC in place of *EOS",
+                report,
+            );
         }
         let end = if tensile.deletes { "deletion" } else { "cutoff" };
         report.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));

@@ -12,8 +12,10 @@ use crate::material::returns::holmquist_johnson_cook::HolmquistJohnsonCook;
 use crate::material::returns::johnson_holmquist::JohnsonHolmquist;
 use crate::material::returns::law::StressReturn;
 use crate::material::returns::porous_metal::{PorousMetal, VoidFailure, VoidNucleation};
-use crate::model::{DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure};
 use crate::material::returns::spall::SpallingSolid;
+use crate::model::{
+    DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure,
+};
 use crate::plan::Report;
 use crate::plan::solids::concrete::concrete_law;
 use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
@@ -204,7 +206,11 @@ fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> Result<HolmquistJohn
     let [k1, k2, k3, deletion, ..] = *third;
     let compacted = HolmquistJohnsonCook::compacted([lock_pressure, lock], [k1, k2, k3]);
     let Some(compacted) = compacted.filter(|compacted| lock_pressure > crush_pressure && *compacted > crush) else {
-        return fault(span, "compaction must end at a larger pressure and compression than it begins", "check PC, UC, PL, UL, K1");
+        return fault(
+            span,
+            "compaction must end at a larger pressure and compression than it begins",
+            "check PC, UC, PL, UL, K1",
+        );
     };
     Ok(HolmquistJohnsonCook {
         shear,
@@ -284,7 +290,9 @@ fn yield_table(material: &MaterialDefinition, span: Span) -> Result<LinearTable,
             let rows = rows.iter().map(|row| [row[0], row[1]]).collect();
             Ok(LinearTable { rows })
         }
-        Some(_) => fault(span, "the law needs *PLASTIC with isotropic hardening that does not depend on temperature", ""),
+        Some(_) => {
+            fault(span, "the law needs *PLASTIC with isotropic hardening that does not depend on temperature", "")
+        }
         None => fault(span, "the law needs *PLASTIC", ""),
     }
 }
@@ -316,9 +324,15 @@ fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, Streng
         _ => DruckerPragerShape::Exponent { factor: first, exponent: second },
     };
     if card.form < 2 && dilation > first {
-        return fault(*span, format!("the dilation angle {dilation} exceeds the friction angle {first}: flow would create energy"), "");
+        return fault(
+            *span,
+            format!("the dilation angle {dilation} exceeds the friction angle {first}: flow would create energy"),
+            "",
+        );
     }
-    if let DruckerPragerShape::Linear { ratio, .. } = shape && ratio < 0.778 {
+    if let DruckerPragerShape::Linear { ratio, .. } = shape
+        && ratio < 0.778
+    {
         return fault(*span, format!("K must be 0.778 to 1, found {ratio}: the yield surface would not be convex"), "");
     }
     if matches!(material.rate, Some(RateDependence::JohnsonCook(_))) {
