@@ -3,7 +3,9 @@
 
 use super::context::Context;
 use super::families::{DerivationRequest, MaterialReader};
-use super::types::{CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation};
+use super::types::{
+    CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation, StrengthCards,
+};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::resistance::fit::FitWeight;
@@ -95,6 +97,22 @@ pub fn target_of(
     };
     let [young, poisson] = material.elastic.ok_or_else(|| missing("ELASTIC"))?;
     let density = material.density.ok_or_else(|| missing("DENSITY"))?;
+    if let Some(strength) = strength_over_pressure(material)? {
+        let StrengthOverPressure { cohesion, slope } = strength;
+        let (shape, curve) = (CavityShape::Spherical, YieldCurve::Perfect);
+        let target = TargetMaterial {
+            shape,
+            young,
+            poisson,
+            density,
+            yield_stress: cohesion,
+            curve,
+            pressure_slope: slope,
+            tension,
+            rate: None,
+        };
+        return Ok(target);
+    }
     let curve = curve(material.plastic.as_ref().ok_or_else(|| missing("PLASTIC"))?, material)?;
     let yield_stress = match &curve {
         YieldCurve::Table { rows, .. } => rows.first().map_or(0.0, |r| r[0]),
@@ -107,6 +125,39 @@ pub fn target_of(
     };
     let (shape, pressure_slope) = (CavityShape::Spherical, 0.0);
     Ok(TargetMaterial { shape, young, poisson, density, yield_stress, curve, pressure_slope, tension, rate })
+}
+
+/// Yield stress that increases linearly with pressure.
+struct StrengthOverPressure {
+    /// Von Mises stress without pressure.
+    cohesion: f64,
+    slope: f64,
+}
+
+/// Returns the yield stress over pressure of the linear `*DRUCKER PRAGER`; `None` for metals. A cavity compresses the material
+/// along the radius, so that K has no effect.
+fn strength_over_pressure(material: &MaterialDefinition) -> Result<Option<StrengthOverPressure>, Diagnostic> {
+    let StrengthCards { drucker_prager, drucker_prager_hardening, .. } = &material.strength;
+    let (Some((card, _)), Some((hardening, _))) = (drucker_prager, drucker_prager_hardening) else {
+        return match material.strength.cards().next() {
+            Some((keyword, _)) => Err(unsupported(material, &format!("*{keyword}"))),
+            None => Ok(None),
+        };
+    };
+    let ([[yield_stress, _]], 0) = (hardening.rows.as_slice(), card.form) else {
+        return Err(unsupported(material, "*DRUCKER PRAGER with hardening or another form than LINEAR"));
+    };
+    if material.rate.is_some() {
+        return Err(unsupported(material, "*DRUCKER PRAGER with *RATE DEPENDENT"));
+    }
+    let [angle, ratio, _] = card.row;
+    let (slope, inverse) = (libm::tan(angle.to_radians()), if ratio == 0.0 { 1.0 } else { 1.0 / ratio });
+    let cohesion = match hardening.test {
+        0 => 1.0 - slope / 3.0,
+        1 => inverse + slope / 3.0,
+        _ => 0.5 * 3.0_f64.sqrt() * (1.0 + inverse),
+    };
+    Ok(Some(StrengthOverPressure { cohesion: cohesion * yield_stress, slope }))
 }
 
 fn unsupported(material: &MaterialDefinition, what: &str) -> Diagnostic {

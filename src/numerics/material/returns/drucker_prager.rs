@@ -316,3 +316,133 @@ impl StressReturn for DruckerPrager {
         point.return_to_deviator(&trial, pressure, deviator, (pressure - trial.pressure) / self.moduli.bulk);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{DruckerPrager, DruckerPragerShape, Increment, Invariants, YieldTest};
+    use crate::kernel::hardening::LinearTable;
+    use crate::kernel::moduli::ElasticModuli;
+    use crate::material::returns::law::{ReturnPoint, StressReturn, TrialStress};
+
+    fn law(shape: DruckerPragerShape) -> DruckerPrager {
+        DruckerPrager {
+            shape,
+            dilatancy: 0.2,
+            eccentricity: 0.1,
+            hardening: LinearTable { rows: vec![[1.0, 0.0]] },
+            test: YieldTest::Compression,
+            rate: None,
+            moduli: ElasticModuli { bulk: 150.0, shear: 70.0 },
+        }
+    }
+
+    /// Strains a point along z in increments with a constant lateral stress; returns the axial stress.
+    fn axial_stress(law: &DruckerPrager, lateral: f64, strain: f64) -> f64 {
+        let (mut state, mut stress) = ([0.0], [lateral; 4].map(|s| s));
+        stress[3] = 0.0;
+        let mut radial = 0.0;
+        for _ in 0..400 {
+            // The lateral strain increment that keeps the lateral stress, by secants.
+            let respond = |radial: f64, state: &mut [f64]| {
+                let mut point = ReturnPoint {
+                    strain: [radial, strain / 400.0, radial, 0.0],
+                    carried: stress,
+                    angle: 0.0,
+                    dt: 1.0,
+                    length: 1.0,
+                    state,
+                    moduli: law.moduli,
+                    stress,
+                    plastic: [0.0; 4],
+                    compacted: 0.0,
+                    lost: 0.0,
+                    deleted: false,
+                };
+                law.update(&mut point);
+                point.stress
+            };
+            for _ in 0..60 {
+                let [here, next] =
+                    [radial, radial + 1e-7].map(|radial| respond(radial, &mut state.clone())[0] - lateral);
+                radial -= here * 1e-7 / (next - here);
+            }
+            stress = respond(radial, &mut state);
+        }
+        stress[1]
+    }
+
+    /// Triaxial compression and extension at a cell pressure: q = (p3 tan(beta) + d)/(1 - tan(beta)/3) and, with the ratio K,
+    /// q/K - p tan(beta) = d.
+    #[test]
+    fn triaxial_strength_depends_on_pressure() {
+        let (friction, cell) = (0.9, 2.0);
+        for ratio in [1.0, 0.8] {
+            let law = law(DruckerPragerShape::Linear { friction, ratio });
+            let cohesion = 1.0 - friction / 3.0;
+            let compressed = (cell * friction + cohesion) / (1.0 - friction / 3.0);
+            let found = -axial_stress(&law, -cell, -0.2) - cell;
+            assert!((found / compressed - 1.0).abs() < 1e-9, "{found} {compressed}");
+            // The mean pressure is the cell pressure less a third of q.
+            let extended = (cell * friction + cohesion) / (1.0 / ratio + friction / 3.0);
+            let found = axial_stress(&law, -cell, 0.2) + cell;
+            assert!((found / extended - 1.0).abs() < 1e-9, "{found} {extended}");
+        }
+    }
+
+    /// The direction of the deviatoric flow is the derivative of the measure t by the deviator.
+    #[test]
+    fn flow_is_normal_to_the_measure() {
+        let ratio = 0.8;
+        let law = law(DruckerPragerShape::Linear { friction: 0.9, ratio });
+        let trial = TrialStress::of([1.0, -2.0, 0.4, 0.7]);
+        let increment = Increment::new(&law, trial, 0.0, 1.0);
+        let measure = |deviator: [f64; 4]| Invariants::of(0.0, deviator, law.shape).measure(ratio);
+        for i in 0..4 {
+            let difference = |step: f64| {
+                let mut deviator = trial.deviator;
+                deviator[i] += step;
+                measure(deviator)
+            };
+            let slope = (difference(1e-6) - difference(-1e-6)) / 2e-6;
+            // The shear component counts twice, and the direction has no mean.
+            let normal = if i < 3 { slope } else { 0.5 * slope };
+            let mean = (0..3).map(|k| {
+                let mut deviator = trial.deviator;
+                deviator[k] += 1e-6;
+                (measure(deviator) - measure(trial.deviator)) / 3e-6
+            });
+            let normal = if i < 3 { normal - mean.sum::<f64>() } else { normal };
+            assert!((increment.direction[i] - normal).abs() < 1e-5, "{i}: {} {normal}", increment.direction[i]);
+        }
+    }
+
+    /// Hydrostatic tension ends at the apex.
+    #[test]
+    fn tension_is_limited_by_the_apex() {
+        for shape in [
+            DruckerPragerShape::Linear { friction: 0.9, ratio: 1.0 },
+            DruckerPragerShape::Hyperbolic { friction: 0.9, apex: 0.2 },
+            DruckerPragerShape::Exponent { factor: 0.5, exponent: 2.0 },
+        ] {
+            let law = law(shape);
+            let mut state = [0.0];
+            let mut point = ReturnPoint {
+                strain: [0.01, 0.01, 0.01, 0.0],
+                carried: [0.0; 4],
+                angle: 0.0,
+                dt: 1.0,
+                length: 1.0,
+                state: &mut state,
+                moduli: law.moduli,
+                stress: [0.0; 4],
+                plastic: [0.0; 4],
+                compacted: 0.0,
+                lost: 0.0,
+                deleted: false,
+            };
+            law.update(&mut point);
+            let apex = law.apex_pressure(law.strength(0.0, 0.0));
+            assert!((TrialStress::of(point.stress).pressure / apex - 1.0).abs() < 1e-9, "{shape:?} {:?}", point.stress);
+        }
+    }
+}
