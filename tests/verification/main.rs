@@ -75,6 +75,7 @@ mod solid;
 mod springs;
 mod step_boundaries;
 mod steps;
+mod strength;
 mod surfaces;
 mod taylor;
 mod thermal_stress;

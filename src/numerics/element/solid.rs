@@ -202,8 +202,11 @@ pub struct SolidGroup<M: Material, B: SolidBlock<State = M::State>> {
 }
 
 impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
-    /// Whether the pressure is part of the material state; with an equation of state the mass too.
-    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled | PlasticFlow::Unknown);
+    /// Returns whether the pressure is part of the material state; with an equation of state the mass too.
+    fn holds_pressure(&self) -> bool {
+        let is_elastic = !matches!(M::FLOW, PlasticFlow::Coupled | PlasticFlow::Unknown);
+        M::MODULI_VARY && (is_elastic || self.material.holds_pressure())
+    }
 
     /// Creates a group from the nodes of its elements in the initial configuration: corners of quadrilaterals, or nodes
     /// around six-node triangles, counter-clockwise.
@@ -355,7 +358,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
             topology: B::TOPOLOGY,
             deletable: self.material.can_delete() || self.erodible,
             damped: self.constants.damps(),
-            holds_pressure: Self::HOLDS_PRESSURE,
+            holds_pressure: self.holds_pressure(),
             fields: self.material.calls().map_or(0, |calls| calls.fields()),
             // Equations of state use the corner forces of the previous pass.
             tiles: B::TILES && !M::CALLS && !M::EQUATION_OF_STATE,
@@ -492,12 +495,12 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
         match masses {
             // If the pressure follows from density and specific energy, the mass is part of the material state.
             Some(_) if M::EQUATION_OF_STATE || self.constants.by_area => return None,
-            None if Self::HOLDS_PRESSURE => return Some(self.last_rate(element)),
+            None if self.holds_pressure() => return Some(self.last_rate(element)),
             _ => {}
         }
         let constants = ElementConstants { bulk: self.constants.bulk + self.material.initial_bulk(), ..self.constants };
         let initial = |masses: Option<&[f64]>| block.elastic_rate(lane, &constants, masses, nodes);
-        let rate = if Self::HOLDS_PRESSURE { self.last_rate(element) } else { 0.0 };
+        let rate = if self.holds_pressure() { self.last_rate(element) } else { 0.0 };
         if rate > 0.0 {
             // The last update found the current stiffness of rubber.
             let current = self.constants.with_assumed(rate, f64::INFINITY);
@@ -507,7 +510,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness> {
-        if Self::HOLDS_PRESSURE || self.constants.by_area {
+        if self.holds_pressure() || self.constants.by_area {
             return None;
         }
         if self.is_deleted(element) {
@@ -539,7 +542,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
                 self.for_tasks(|stored, points| stored.task.records = vec![BlockRecord::default(); points]);
             }
             GroupSetting::StableRates => {
-                if B::IN_TASKS && Self::HOLDS_PRESSURE && !M::EQUATION_OF_STATE {
+                if B::IN_TASKS && self.holds_pressure() && !M::EQUATION_OF_STATE {
                     self.for_tasks(|stored, blocks| stored.task.store_rates(blocks));
                 }
             }
@@ -547,7 +550,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
                 self.erodible = true;
                 if B::IN_TASKS {
                     self.for_tasks(|stored, blocks| stored.task.make_erodible(blocks));
-                    if Self::HOLDS_PRESSURE {
+                    if self.holds_pressure() {
                         self.for_tasks(|stored, blocks| stored.task.store_rates(blocks));
                     }
                 }

@@ -137,6 +137,12 @@ pub trait Material: Send + Sync + 'static {
         0.0
     }
 
+    /// Returns whether a law of [`PlasticFlow::Coupled`] has a pressure that follows from the density, with moduli that can
+    /// exceed the initial ones.
+    fn holds_pressure(&self) -> bool {
+        false
+    }
+
     /// Returns the share of the stress that damage leaves, 0 for a deleted element.
     fn share(&self, _state: &Self::State, _lane: usize) -> f64 {
         1.0

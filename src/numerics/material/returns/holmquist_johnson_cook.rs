@@ -130,6 +130,10 @@ impl StressReturn for HolmquistJohnsonCook {
         }
     }
 
+    fn holds_pressure(&self) -> bool {
+        true
+    }
+
     fn deletes(&self) -> bool {
         self.deletion > 0.0
     }

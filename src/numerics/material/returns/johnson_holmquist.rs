@@ -98,6 +98,10 @@ impl StressReturn for JohnsonHolmquist {
         }
     }
 
+    fn holds_pressure(&self) -> bool {
+        true
+    }
+
     fn deletes(&self) -> bool {
         self.deletion != 0.0
     }

@@ -11,7 +11,7 @@ pub trait StressReturn: Send + Sync {
     /// Returns the name of the law for the ledger, with its options.
     fn describe(&self) -> String;
 
-    /// Returns upper bounds of the moduli. They also give the elastic trial stress of hourglass control.
+    /// Returns the initial moduli, which also determine hourglass control.
     fn moduli(&self) -> ElasticModuli;
 
     /// Returns the state of a point at the start of the analysis.
@@ -19,6 +19,11 @@ pub trait StressReturn: Send + Sync {
 
     /// Returns the index of the state that is an output variable; `None` if the law does not have the variable.
     fn output(&self, part: VariableComponent) -> Option<usize>;
+
+    /// Returns whether the pressure follows from the density, with moduli that can exceed the initial ones.
+    fn holds_pressure(&self) -> bool {
+        false
+    }
 
     /// Returns whether the law deletes elements.
     fn deletes(&self) -> bool {

@@ -61,8 +61,8 @@ impl Material for ReturnMaterial {
         ReturnState { states, angle: [0.0; LANES], active: [1.0; LANES], length, volume: start.volume }
     }
 
-    fn initial_bulk(&self) -> f64 {
-        self.0.moduli().bulk
+    fn holds_pressure(&self) -> bool {
+        self.0.holds_pressure()
     }
 
     /// Updates each point of a block; an increment of zero length changes nothing.

@@ -71,7 +71,7 @@ pub struct SolidProperties<'a> {
     /// Largest square root of the section area of an element, length.
     pub longest: f64,
     density: f64,
-    heats: bool,
+    pub heats: bool,
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
     deletion_margin: f64,
     /// Whether failed elements are kept.

@@ -55,7 +55,7 @@ pub fn fault<T>(span: Span, message: impl Into<String>, help: &'static str) -> R
 pub fn strength_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let SolidProperties { material, longest, .. } = *solid;
     let (keyword, span) = material.strength.cards().next()?;
-    match law(material, longest).and_then(|law| check_other_cards(material).map(|()| law)) {
+    match law(material, longest).and_then(|law| check_other_cards(solid).map(|()| law)) {
         Ok(StrengthLaw { law, warning }) => {
             report.ledger_row(span, "strength", 1, "material", law.describe());
             if let Some(warning) = warning {
@@ -130,7 +130,8 @@ fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
 }
 
 /// Refuses cards of other laws, which would have no effect.
-fn check_other_cards(material: &MaterialDefinition) -> Result<(), StrengthFault> {
+fn check_other_cards(solid: &SolidProperties) -> Result<(), StrengthFault> {
+    let material = solid.material;
     let cards = &material.strength;
     let has_moduli = cards.johnson_holmquist.is_some() || cards.holmquist_johnson_cook.is_some();
     let takes_plastic = cards.potential.is_some() || cards.porous_metal.is_some();
@@ -146,6 +147,10 @@ fn check_other_cards(material: &MaterialDefinition) -> Result<(), StrengthFault>
         (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
         (material.failed.is_some(), "*FAILED MATERIAL"),
         (material.thermal.expansion.is_some(), "*EXPANSION"),
+        (
+            solid.heats && material.thermal.inelastic_heat_fraction.is_some(),
+            "*INELASTIC HEAT FRACTION in an analysis that heats the material",
+        ),
     ];
     match others.iter().find(|(is_present, _)| *is_present) {
         Some((_, other)) => {
