@@ -123,6 +123,18 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                \x20     Johnson-Cook 1983; *EOS\n\
                \x20 concrete.inp             CONCRETE           13 to 110 MPa, 270 to 1100 m/s\n\
                \x20     resistance on a nose (Forrestal and others 1994, 1996)\n\
+               \x20 concrete_48mpa_hjc.inp   CONCRETE_HJC       fc 48 MPa, rates above 1 per s\n\
+               \x20     Holmquist-Johnson-Cook 1993, for meshes\n\
+               \x20 concrete_c30_cdp.inp     CONCRETE_C30       fck 20 to 50 MPa, rates below 1 per s\n\
+               \x20     damaged plasticity, tables of the Model Code 2010\n\
+               \x20 alumina_jh2.inp          ABQ_JH2_ALUMINA    to 5 % compression\n\
+               \x20     Johnson-Holmquist 2, 1994\n\
+               \x20 boron_carbide_jh2.inp    ABQ_JH2_B4C        not stated\n\
+               \x20     Johnson-Holmquist 2, 1999\n\
+               \x20 silicon_carbide_jh2.inp  ABQ_JH2_SIC        not stated\n\
+               \x20     Johnson-Holmquist 2, 2002\n\
+               \x20 float_glass_jh2.inp      ABQ_JH2_GLASS      not stated\n\
+               \x20     Johnson-Holmquist 2, 1995\n\
                docs/materials.md compares their stress-strain curves and says which constants were confirmed.\n",
     },
     HelpTopic {

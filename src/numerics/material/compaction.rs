@@ -51,7 +51,7 @@ struct DistensionPath {
 
 impl PorousCompaction {
     /// Creates the law from the solid, the sound speed and porosity at the start, and the pressures at which compaction begins
-    /// and ends. Equation (7.12).
+    /// and ends. Equation (7.15).
     pub fn new(solid: UsUp, speed: f64, porosity: f64, pressures: [f64; 2]) -> PorousCompaction {
         let start = 1.0 / (1.0 - porosity);
         let mut law = PorousCompaction { solid, distensions: [start; 2], speed, pressures };
@@ -79,14 +79,14 @@ impl PorousCompaction {
         DistensionState { smallest: [elastic; LANES], current: [start; LANES] }
     }
 
-    /// Returns the elastic slope d(alpha)/dp at a distension. Equation (7.12).
+    /// Returns the elastic slope d(alpha)/dp at a distension. Equation (7.15).
     fn elastic_slope(&self, distension: f64) -> f64 {
         let UsUp { density, c0, .. } = self.solid;
         let ratio = 1.0 + (distension - 1.0) * (self.speed - c0) / (c0 * (self.distensions[0] - 1.0));
         distension * distension / (density * c0 * c0) * (1.0 - 1.0 / (ratio * ratio))
     }
 
-    /// Returns the distension on the crush curve. Equation (7.11).
+    /// Returns the distension on the crush curve. Equation (7.14).
     fn crushed(&self, pressure: f64) -> f64 {
         let [begin, end] = self.pressures;
         let left = ((end - pressure) / (end - begin)).max(0.0);
@@ -110,7 +110,7 @@ impl PorousCompaction {
         if pressure > limit { self.crushed(pressure) } else { smallest + (pressure - limit) * slope }
     }
 
-    /// Returns the pressure line of the porous material at a fixed distension. Equation (7.10).
+    /// Returns the pressure line of the porous material at a fixed distension. Equation (7.13).
     fn line(&self, specific_volume: f64, distension: f64) -> EosLine {
         let volume = specific_volume / distension;
         let EosLine { cold, per_energy, cold_slope, energy_slope } = self.solid.curve(1.0 / volume, volume);
@@ -143,7 +143,7 @@ impl PorousCompaction {
         EosLine { cold: pressure(distension), per_energy: 0.0, cold_slope: 0.0, energy_slope: 0.0 }
     }
 
-    /// Updates pressures, energies and distensions of a block.
+    /// Updates pressures, energies and distensions of a block. Equation (7.16).
     pub(super) fn advance_block(&self, state: &mut DistensionState, energy: &mut Lanes, update: &mut PressureUpdate) {
         for l in 0..LANES {
             let volume = specific_volume(update, l);
@@ -159,7 +159,7 @@ impl PorousCompaction {
             if pressure > path.meeting[0] {
                 state.smallest[l] = distension;
             }
-            // The elastic change of the distension makes the material softer than at a fixed distension. Equation (7.13).
+            // The elastic change of the distension makes the material softer than at a fixed distension.
             let slope = self.path(state.smallest[l]).slope;
             let softer = 1.0 - (update.bulk[l] - pressure) / distension * slope;
             update.bulk[l] /= if softer > 1.0 { softer } else { 1.0 };

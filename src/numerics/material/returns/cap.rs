@@ -50,7 +50,7 @@ const SURFACES: usize = 1;
 const COMPACTION: usize = 4;
 
 impl CapPlasticity {
-    /// Returns the pressure pa at the top of the cap for the hydrostatic yield pressure pb.
+    /// Returns the pressure pa at the top of the cap for the hydrostatic yield pressure pb. Equation (20.11).
     fn cap_centre(&self, yield_pressure: f64) -> f64 {
         (yield_pressure - self.eccentricity * self.cohesion) / (1.0 + self.eccentricity * self.friction)
     }
@@ -60,8 +60,8 @@ impl CapPlasticity {
         if self.friction > 0.0 { -self.cohesion / self.friction } else { f64::NEG_INFINITY }
     }
 
-    /// Returns the point of the yield surface at a pressure and a yield pressure pb. Below the arc of the transition
-    /// the material is elastic: the lower half of that circle is no part of the surface.
+    /// Returns the point of the yield surface at a pressure and a yield pressure pb. Equation (20.12). The
+    /// region below the arc of the transition is elastic: the lower half of that circle is no part of the surface.
     fn surface(&self, pressure: f64, yield_pressure: f64) -> SurfacePoint {
         let (tangent, alpha) = (self.friction, self.transition);
         let secant = (1.0 + tangent * tangent).sqrt(); // 1/cos(beta)
@@ -127,6 +127,7 @@ impl StressReturn for CapPlasticity {
         }
     }
 
+    /// Equation (20.13).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let ElasticModuli { bulk, shear } = self.moduli;
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli));

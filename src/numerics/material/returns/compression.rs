@@ -1,7 +1,7 @@
 //! Pressure as a polynomial of the compression, and its recoverable energy.
 
 /// Pressure K1 mu + K2 mu² + K3 mu³ + shift of the compression mu = V0/V - 1, without the higher terms in expansion, and not below a
-/// limit in tension. The shift is a bulking pressure, or minus K1 times the plastic compaction. Equation (6.33).
+/// limit in tension. The shift is a bulking pressure, or minus K1 times the plastic compaction. Equation (20.21).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompressionLaw {
     /// K1, K2, K3, stress.
@@ -13,7 +13,7 @@ pub struct CompressionLaw {
 }
 
 impl CompressionLaw {
-    /// Returns the pressure at a compression.
+    /// Returns the pressure at a compression. Equation (20.21).
     pub fn pressure(&self, compression: f64) -> f64 {
         self.unlimited(compression).max(self.tension)
     }
@@ -31,7 +31,7 @@ impl CompressionLaw {
         (1.0 + compression) * (k1 + higher)
     }
 
-    /// Returns the work that the pressure does until it vanishes, per initial volume. Equation (6.34).
+    /// Returns the work that the pressure does until it vanishes, per initial volume. Equation (20.22).
     pub fn recoverable_energy(&self, compression: f64) -> f64 {
         // With higher terms the pressure vanishes in expansion, or at mu = 0 without a shift.
         let [k1, ..] = self.moduli;

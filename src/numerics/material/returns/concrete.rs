@@ -59,6 +59,7 @@ const DEGRADATION: usize = 4;
 
 impl ConcreteDamagedPlasticity {
     /// Returns the degradation d of principal stresses under damages in compression and tension (Lee and Fenves 1998).
+    /// Equation (20.18).
     fn degradation(&self, principal: [f64; 3], [compression, tension]: [f64; 2]) -> f64 {
         if compression == 0.0 && tension == 0.0 {
             return 0.0;
@@ -117,6 +118,7 @@ impl StressReturn for ConcreteDamagedPlasticity {
         elastic_energy(stress, self.moduli) / (1.0 - state[DEGRADATION])
     }
 
+    /// Equation (20.19).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let old_degradation = point.state[DEGRADATION];
         let effective =

@@ -6,6 +6,7 @@ use super::root::bracketed_root;
 use crate::kernel::lanes::InlineMap;
 
 /// Returns the share of tension r of principal stresses, between 0 and 1; 0 without stress (Lee and Fenves 1998).
+/// Equation (20.16).
 pub fn tension_share(principal: [f64; 3]) -> f64 {
     let [positive, sum] =
         [|s: f64| s.max(0.0), f64::abs].inline_map(|of| of(principal[0]) + of(principal[1]) + of(principal[2]));
@@ -37,6 +38,7 @@ pub struct ConcreteSurface {
 
 impl ConcreteSurface {
     /// Returns the constants for the strength in equibiaxial over that in uniaxial compression, fb0/fc0, and Kc.
+    /// Equation (20.14).
     pub fn new(biaxial_ratio: f64, meridian_ratio: f64) -> ConcreteSurface {
         let pressure = (biaxial_ratio - 1.0) / (2.0 * biaxial_ratio - 1.0);
         let meridian = 3.0 * (1.0 - meridian_ratio) / (2.0 * meridian_ratio - 1.0);
@@ -44,7 +46,7 @@ impl ConcreteSurface {
     }
 
     /// Returns (q - 3 A p + B <s> - C <-s>)/(1 - A) - sc with B = sc/st (1 - A) - (1 + A), from pressure p, von Mises
-    /// stress q, largest principal stress s, and strengths sc and st (Lubliner and others 1989).
+    /// stress q, largest principal stress s, and strengths sc and st (Lubliner and others 1989). Equation (20.14).
     #[inline]
     pub fn value(self, [pressure, mises, largest]: [f64; 3], [compression, tension]: [f64; 2]) -> f64 {
         let ConcreteSurface { pressure: a, meridian: c, scale } = self;
@@ -100,6 +102,7 @@ pub struct ConcretePath<'a> {
 
 impl ConcretePath<'_> {
     /// Returns the state after the flow 3 G dl/sqrt(l0² + q²) = q_trial/q - 1 with the plastic multiplier dl.
+    /// Equations (20.15), (20.16).
     #[inline]
     pub fn state(&self, flow: f64) -> ConcreteState {
         let half = 0.5 * self.per_shear;

@@ -125,6 +125,7 @@ impl ConcreteTable {
     }
 
     /// Returns the length of an element above which its stress falls faster than its elasticity allows (snap back).
+    /// Equation (20.20).
     pub fn snap_back_length(&self, young: f64) -> f64 {
         if self.abscissa == ConcreteAbscissa::Strain {
             return f64::INFINITY;
@@ -145,7 +146,7 @@ impl ConcreteTable {
         self.curves[0][0].stress / (1.0 - self.curves[0][0].damage)
     }
 
-    /// Returns the values at a plastic strain, its rate, and a factor from [`Self::scale`].
+    /// Returns the values at a plastic strain, its rate, and a factor from [`Self::scale`]. Equation (20.17).
     #[inline]
     pub fn strength(&self, plastic: f64, rate: f64, scale: f64) -> ConcreteStrength {
         let ConcreteRow { mut stress, damage, elastic, .. } = row_at(&self.curves[0], plastic, scale);
@@ -190,7 +191,7 @@ fn ascending(rows: &[[f64; 2]], name: &str) -> Result<(), String> {
     }
 }
 
-/// Merges rows `[stress, abscissa]` and `[damage, abscissa]`.
+/// Merges rows `[stress, abscissa]` and `[damage, abscissa]`. Equation (20.17).
 fn converted(stresses: &[[f64; 2]], damages: &[[f64; 2]], young: f64) -> Result<Vec<ConcreteRow>, String> {
     ascending(stresses, "stress")?;
     let peak = stresses.iter().fold(0.0_f64, |largest, row| largest.max(row[0]));

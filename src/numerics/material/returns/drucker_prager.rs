@@ -8,7 +8,7 @@ use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
 use crate::variables::{Variable, VariableComponent};
 
-/// Shape of the yield surface in the plane of pressure p and von Mises stress q. Equation (6.30).
+/// Shape of the yield surface in the plane of pressure p and von Mises stress q. Equation (20.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DruckerPragerShape {
     /// t - p tan(beta) = d, where t is q in triaxial compression and q/K in triaxial tension.
@@ -77,7 +77,7 @@ impl Invariants {
         Invariants { pressure, mises, third }
     }
 
-    /// Returns the measure t of the deviator.
+    /// Returns the measure t of the deviator. Equation (20.5).
     fn measure(self, ratio: f64) -> f64 {
         if ratio == 1.0 {
             return self.mises;
@@ -132,7 +132,7 @@ const STRAIN: usize = 0;
 
 impl DruckerPrager {
     /// Returns the distance l0 of a hyperbolic surface with a strength in hydrostatic tension, from the first yield stress
-    /// of its table; `None` if no surface has both strengths.
+    /// of its table; `None` if no surface has both strengths. Equation (20.7).
     pub fn apex(friction: f64, tension: f64, test: YieldTest, yield_stress: f64) -> Option<f64> {
         // sqrt(l0² + q²) - p tan(beta) = l0 + pt tan(beta) with p and q of the test.
         let Invariants { pressure, mises, .. } = test.invariants(yield_stress);
@@ -142,7 +142,7 @@ impl DruckerPrager {
     }
 
     /// Returns the part of the yield function that depends on the stress; it equals [`Self::strength`] on the surface.
-    /// Equation (6.30).
+    /// Equation (20.4).
     fn measure(&self, stress: Invariants) -> f64 {
         let Invariants { pressure, mises, .. } = stress;
         match self.shape {
@@ -154,13 +154,13 @@ impl DruckerPrager {
         }
     }
 
-    /// Returns the measure of the test at an equivalent plastic strain and its rate.
+    /// Returns the measure of the test at an equivalent plastic strain and its rate. Equation (20.6).
     pub fn strength(&self, strain: f64, rate: f64) -> f64 {
         let factor = self.rate.as_ref().map_or(1.0, |factor| factor.at(rate, 0.0));
         self.measure(self.test.invariants(factor * self.hardening.value(strain)))
     }
 
-    /// Returns the pressure of the apex, where the deviator is zero.
+    /// Returns the pressure of the apex, where the deviator is zero. Equation (20.10).
     fn apex_pressure(&self, strength: f64) -> f64 {
         match self.shape {
             DruckerPragerShape::Linear { friction, .. } => -strength / friction,
@@ -177,7 +177,7 @@ impl DruckerPrager {
         }
     }
 
-    /// Returns the increment of the equivalent plastic strain for a plastic multiplier. Equation (6.31).
+    /// Returns the increment of the equivalent plastic strain for a plastic multiplier. Equation (20.9).
     fn hardening_strain(&self, before: f64, stress: Invariants, multiplier: f64) -> f64 {
         if let DruckerPragerShape::Linear { ratio, .. } = self.shape {
             // The strain of the test along its stress.
@@ -216,7 +216,7 @@ impl Increment<'_> {
         increment
     }
 
-    /// Returns the state at a share of the path that is left: 1 for the trial. Equation (6.31).
+    /// Returns the state at a share of the path that is left: 1 for the trial. Equation (20.8).
     fn along(&self, share: f64) -> PathState {
         let Increment { law, trial, direction, .. } = self;
         let ElasticModuli { bulk, shear } = law.moduli;
@@ -245,7 +245,7 @@ impl Increment<'_> {
         if self.dt > 0.0 { hardening / self.dt } else { 0.0 }
     }
 
-    /// Returns the state at the apex: the pressure alone returns.
+    /// Returns the state at the apex: the pressure alone returns. Equation (20.10).
     fn at_apex(&self) -> PathState {
         let Increment { law, trial, .. } = self;
         let state = |pressure: f64| {

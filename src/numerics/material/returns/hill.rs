@@ -31,7 +31,7 @@ const STRAIN: usize = 0;
 
 impl HillPotential {
     /// Builds the law from the ratios R11, R22, R33, R12 of yield stresses to that of the table (1, 2, 3: r, z, hoop;
-    /// R12 to the shear yield stress); `None` if the yield surface is not closed. R13 and R23 have no stress.
+    /// R12 to the shear yield stress); `None` if the yield surface is not closed. R13 and R23 have no stress. Equation (20.33).
     pub fn new(ratios: [f64; 4], hardening: LinearTable, moduli: ElasticModuli) -> Option<HillPotential> {
         let [rr, zz, hoop, shear] = ratios.inline_map(|ratio| 1.0 / (ratio * ratio));
         let [f, g, h] = [0.5 * (zz + hoop - rr), 0.5 * (hoop + rr - zz), 0.5 * (rr + zz - hoop)];
@@ -53,7 +53,7 @@ impl HillPotential {
         closed.then_some(HillPotential { directions, factors, hardening, moduli })
     }
 
-    /// Returns the equivalent stress of stress components.
+    /// Returns the equivalent stress of stress components. Equation (20.33).
     fn equivalent(&self, components: Components) -> f64 {
         let [a, b, shear] = components;
         let [of_a, of_b, of_shear] = self.factors;
@@ -61,7 +61,7 @@ impl HillPotential {
     }
 
     /// Returns the trial components reduced by plastic flow. `flow` is 2 G times the plastic multiplier over the
-    /// equivalent stress: (1 + flow P) S = S_trial, with P diagonal in these components.
+    /// equivalent stress: (1 + flow P) S = S_trial, with P diagonal in these components. Equation (20.34).
     fn reduced(&self, trial: Components, flow: f64) -> Components {
         let [of_a, of_b, of_shear] = self.factors;
         [trial[0] / (1.0 + flow * of_a), trial[1] / (1.0 + flow * of_b), trial[2] / (1.0 + flow * of_shear)]
@@ -85,6 +85,7 @@ impl StressReturn for HillPotential {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
     }
 
+    /// Equation (20.34).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let elastic = point.elastic(point.carried, self.moduli);
         let [cosine, sine] =

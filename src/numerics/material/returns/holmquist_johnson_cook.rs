@@ -66,7 +66,7 @@ impl HolmquistJohnsonCook {
     }
 
     /// Returns the pressure law on the path of unloading from the largest compression, the compression that it
-    /// takes as argument over that of the element, and the plastic compaction. Equation (6.38).
+    /// takes as argument over that of the element, and the plastic compaction. Equation (20.26).
     fn unloading(&self, largest: f64, damage: f64) -> Unloading {
         let ([crush_pressure, crush], [lock_pressure, lock]) = (self.crush, self.lock);
         let initial = crush_pressure / crush;
@@ -87,7 +87,7 @@ impl HolmquistJohnsonCook {
         Unloading { law, solid: lock, compaction }
     }
 
-    /// Returns the strength at a pressure, damage and rate factor. Equation (6.39).
+    /// Returns the strength at a pressure, damage and rate factor. Equation (20.27).
     fn yield_strength(&self, pressure: f64, damage: f64, rate: f64) -> f64 {
         let [a, b, n] = self.strength;
         let intact = a * (1.0 - damage);
@@ -143,6 +143,7 @@ impl StressReturn for HolmquistJohnsonCook {
         mises * mises / (6.0 * self.shear) + state[ENERGY] / libm::exp(state[DILATION])
     }
 
+    /// Equation (20.28).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let (dilation, rate) = (point.dilation(), point.deviatoric_rate());
         let volume_before = libm::exp(point.state[DILATION]);

@@ -49,7 +49,7 @@ const STATUS: usize = 7;
 const ENERGY: usize = 8;
 
 impl JohnsonHolmquist {
-    /// Returns the strength at a pressure, damage and rate factor. Equation (6.35).
+    /// Returns the strength at a pressure, damage and rate factor. Equation (20.23).
     fn strength(&self, pressure: f64, damage: f64, rate: f64) -> f64 {
         let [axial, hydrostatic] = self.elastic_limit;
         let [a, n, largest_intact] = self.intact;
@@ -60,7 +60,7 @@ impl JohnsonHolmquist {
         1.5 * (axial - hydrostatic) * (intact - damage * (intact - fractured))
     }
 
-    /// Returns the damage after a plastic strain increment at a pressure. Equation (6.36).
+    /// Returns the damage after a plastic strain increment at a pressure. Equation (20.24).
     fn damage_after(&self, damage: f64, strain: f64, pressure: f64) -> f64 {
         let [factor, exponent] = self.fracture;
         let hydrostatic = self.elastic_limit[1];
@@ -111,6 +111,7 @@ impl StressReturn for JohnsonHolmquist {
         mises * mises / (6.0 * self.shear) + state[ENERGY] / libm::exp(state[DILATION])
     }
 
+    /// Equation (20.25).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let (dilation, rate) = (point.dilation(), point.deviatoric_rate());
         let volume_before = libm::exp(point.state[DILATION]);
@@ -128,7 +129,7 @@ impl StressReturn for JohnsonHolmquist {
             let strain = (trial.mises - strength) / (3.0 * self.shear);
             damage = self.damage_after(damage, strain, pressure);
             if compression > 0.0 && self.bulking > 0.0 {
-                // The elastic energy that the loss of strength releases, at this pressure. Equation (6.37).
+                // The elastic energy that the loss of strength releases, at this pressure.
                 let weaker = self.strength(pressure, damage, rate_factor);
                 let released = (strength * strength - weaker * weaker) / (6.0 * self.shear);
                 let linear = self.compression[0] * compression;

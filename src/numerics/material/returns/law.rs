@@ -118,7 +118,7 @@ impl ReturnPoint<'_> {
     }
 
     /// Sets the stress to a pressure and a deviator. The plastic strain has the deviator that returns the trial, and the
-    /// given dilation.
+    /// given dilation. Equation (20.1).
     pub fn return_to_deviator(&mut self, trial: &TrialStress, pressure: f64, deviator: [f64; 4], dilation: f64) {
         for (i, part) in deviator.into_iter().enumerate() {
             let (mean, volumetric) = if i < 3 { (-pressure, dilation / 3.0) } else { (0.0, 0.0) };
@@ -129,7 +129,7 @@ impl ReturnPoint<'_> {
 
     /// Replaces the recoverable energy of the pressure (per initial volume, a state). The work of the pressure beyond its
     /// change is dissipated by compaction, in an increment that changes the law of the pressure. `volume` is the ratio of volumes
-    /// before the increment.
+    /// before the increment. Equation (20.3).
     pub fn dissipate_volumetric_work(&mut self, energy: usize, recoverable: f64, volume: f64, changes: bool) {
         let work = 0.5 * (pressure(self.carried) + pressure(self.stress)) * -self.dilation();
         // The ratio of volumes in the middle of the increment.

@@ -65,7 +65,7 @@ impl Material for ReturnMaterial {
         self.0.holds_pressure()
     }
 
-    /// Updates each point of a block; an increment of zero length changes nothing.
+    /// Updates each point of a block; an increment of zero length changes nothing. Equation (20.2).
     fn update(
         &self,
         state: &mut ReturnState,

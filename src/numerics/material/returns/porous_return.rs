@@ -46,7 +46,7 @@ pub(super) struct Flowed {
 
 impl PorousMetal {
     /// Returns the state after an increment. `flow` is the trial over the final von Mises stress, less 1: 6 G/y² times
-    /// the plastic multiplier.
+    /// the plastic multiplier. Equation (20.30).
     pub(super) fn flowed(&self, before: &Increment, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
@@ -78,6 +78,7 @@ impl PorousMetal {
     }
 
     /// Returns the yield function for the von Mises stress over the yield stress, f*, and the hyperbolic cosine.
+    /// Equation (20.29).
     fn excess(&self, ratio: f64, effective: f64, cosh: f64) -> f64 {
         let [q1, _, q3] = self.constants;
         ratio * ratio + 2.0 * q1 * effective * cosh - 1.0 - q3 * effective * effective

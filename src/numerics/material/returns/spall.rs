@@ -27,7 +27,7 @@ const STRAIN: usize = 0;
 const FAILED: usize = 1;
 
 impl SpallingSolid {
-    /// Returns the increment of the equivalent plastic strain that returns a von Mises stress. Equation (6.3).
+    /// Returns the increment of the equivalent plastic strain that returns a von Mises stress. Equation (6.2).
     fn flow(&self, mises: f64, strain: f64) -> f64 {
         let shear3 = 3.0 * self.moduli.shear;
         if self.hardening.rows.is_empty() || mises <= self.hardening.value(strain) {
@@ -61,7 +61,7 @@ impl StressReturn for SpallingSolid {
         }
     }
 
-    /// Equation (6.46).
+    /// Equation (20.35).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
         let flow = self.flow(trial.mises, point.state[STRAIN]);
