@@ -168,6 +168,22 @@ fn incomplete_and_contradictory_cards_are_refused() {
             format!("{elastic}*Plastic\n 1., 0.\n*Drucker Prager\n 30., 1., 10.\n*Drucker Prager Hardening\n 1., 0.\n"),
             "together with *PLASTIC",
         ),
+        (
+            format!(
+                "{elastic}*Drucker Prager\n 30., 1., 10.\n*Drucker Prager Hardening\n 1., 0.\n*Cap Plasticity\n 1., 30., 0.5\n\
+                 *Cap Hardening\n 1., 0.\n"
+            ),
+            "belongs to another law",
+        ),
+        (format!("{elastic}*Drucker Prager\n 30., 1., 10.\n*Drucker Prager Hardening\n 1., 0.1\n"), "must start at 0"),
+        (format!("{elastic}*Eos Compaction\n 1., 0.2, 1., 2.\n"), "TYPE=USUP"),
+        (
+            format!(
+                "{elastic}{concrete}*Concrete Compression Hardening\n 1., 0.\n 1., 0.1\n*Concrete Tension Stiffening\n 0.1, 0.\n \
+                 0.01, 0.01\n*Concrete Failure\n ,\n"
+            ),
+            "no limit",
+        ),
         ("*Eos, type=IDEAL GAS\n 1.,\n*Specific Heat\n 1.,\n*Eos Compaction\n 1., 0.2, 1., 2.\n".into(), "TYPE=USUP"),
     ] {
         let cards = format!("*Density\n 1.,\n{cards}");

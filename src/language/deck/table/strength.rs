@@ -78,7 +78,7 @@ card!(ConcreteDamagedPlasticity: "CONCRETE DAMAGED PLASTICITY", "Damaged plastic
 card!(ConcreteCompressionHardening: "CONCRETE COMPRESSION HARDENING", "Compressive stress of concrete over inelastic strain", (once below "MATERIAL"), {
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, rows: Vec<[f64; 3]> = [(rows [
-    "compressive stress" (POSITIVE.required()),
+    "compressive stress" (NOT_NEGATIVE.required()),
     "inelastic strain" (NOT_NEGATIVE.or(0.0)) "Strain minus stress over Young's modulus",
     "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the inelastic strain; the rows of one rate follow each other",
     "temperature" refused "the table does not depend on temperature",
@@ -94,12 +94,12 @@ card!(ConcreteTensionStiffening: "CONCRETE TENSION STIFFENING", "Tensile stress 
         "temperature" refused "the table does not depend on temperature",
     ]),
     (when "TYPE" = "DISPLACEMENT" rows [
-        "tensile stress" (POSITIVE.required()), "cracking displacement" (NOT_NEGATIVE.or(0.0)),
+        "tensile stress" (NOT_NEGATIVE.required()), "cracking displacement" (NOT_NEGATIVE.or(0.0)),
         "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the cracking strain",
         "temperature" refused "the table does not depend on temperature",
     ]),
     (rows [
-        "tensile stress" (POSITIVE.required()),
+        "tensile stress" (NOT_NEGATIVE.required()),
         "cracking strain" (NOT_NEGATIVE.or(0.0)) "Strain minus stress over Young's modulus",
         "strain rate" (NOT_NEGATIVE.or(0.0)) "Rate of the cracking strain",
         "temperature" refused "the table does not depend on temperature",

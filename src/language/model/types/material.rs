@@ -67,6 +67,13 @@ impl MaterialDefinition {
         !self.failures.is_empty() || self.tensile_failure.is_some() || self.failed.is_some()
     }
 
+    /// Returns whether damage or deletion by the material can take elastic energy.
+    pub fn loses_elastic_energy(&self) -> bool {
+        let StrengthCards { concrete, johnson_holmquist, holmquist_johnson_cook, porous_failure, .. } = &self.strength;
+        let fractures = johnson_holmquist.is_some() || holmquist_johnson_cook.is_some();
+        self.has_failure() || concrete.is_some() || porous_failure.is_some() || fractures
+    }
+
     /// Returns whether the strength depends on pressure, porosity or direction.
     pub fn has_strength_law(&self) -> bool {
         self.strength.cards().next().is_some()

@@ -289,6 +289,10 @@ impl StressReturn for DruckerPrager {
         vec![0.0]
     }
 
+    fn hardening_state(&self) -> Option<usize> {
+        Some(STRAIN)
+    }
+
     fn output(&self, part: VariableComponent) -> Option<usize> {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
     }

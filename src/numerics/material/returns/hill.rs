@@ -81,6 +81,10 @@ impl StressReturn for HillPotential {
         vec![0.0]
     }
 
+    fn hardening_state(&self) -> Option<usize> {
+        Some(STRAIN)
+    }
+
     fn output(&self, part: VariableComponent) -> Option<usize> {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
     }

@@ -117,7 +117,8 @@ impl StressReturn for JohnsonHolmquist {
         let volume_before = libm::exp(point.state[DILATION]);
         point.state[DILATION] += dilation;
         let compression = libm::expm1(-point.state[DILATION]);
-        let mut damage = point.state[DAMAGE];
+        let (damage_before, bulking_before) = (point.state[DAMAGE], point.state[BULKING]);
+        let mut damage = damage_before;
         let mut law = self.compression(point.state[BULKING], damage);
         let mut pressure = law.pressure(compression);
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli()));
@@ -149,7 +150,7 @@ impl StressReturn for JohnsonHolmquist {
         point.state[FRACTURED] = if damage >= 1.0 { 1.0 } else { 0.0 };
         (point.state[BULKING], point.state[STRENGTH]) = (law.shift, strength);
         point.return_to(&trial, pressure, mises, 0.0);
-        let changes = trial.mises > mises;
+        let changes = damage != damage_before || law.shift != bulking_before;
         point.dissipate_volumetric_work(ENERGY, law.recoverable_energy(compression), volume_before, changes);
         point.moduli.bulk = law.bulk_modulus(compression);
         let is_deleted = if self.deletion > 0.0 {

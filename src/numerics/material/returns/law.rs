@@ -20,6 +20,12 @@ pub trait StressReturn: Send + Sync {
     /// Returns the index of the state that is an output variable; `None` if the law does not have the variable.
     fn output(&self, part: VariableComponent) -> Option<usize>;
 
+    /// Returns the index of the state that prescribed initial hardening sets; `None` if the yield surface does not depend
+    /// on the equivalent plastic strain.
+    fn hardening_state(&self) -> Option<usize> {
+        None
+    }
+
     /// Returns whether the pressure follows from the density, with moduli that can exceed the initial ones.
     fn holds_pressure(&self) -> bool {
         false

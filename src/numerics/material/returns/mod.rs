@@ -30,7 +30,12 @@ use crate::variables::{Variable, VariableComponent};
 use law::{ReturnPoint, StressReturn, TrialStress, contraction};
 
 /// Material of a law that returns an elastic trial stress.
-pub struct ReturnMaterial(pub Box<dyn StressReturn>);
+pub struct ReturnMaterial {
+    /// Law of a point.
+    pub law: Box<dyn StressReturn>,
+    /// Whether elements stay that the law would delete (`ELEMENT DELETION=NO`).
+    pub keeps_elements: bool,
+}
 
 /// State of a block of points.
 #[derive(Clone, Debug, Persist)]
@@ -56,13 +61,13 @@ impl Material for ReturnMaterial {
     const USES_SPIN: bool = true;
 
     fn initial_state(&self, start: &BlockStart) -> ReturnState {
-        let states = self.0.initial_state().into_iter().map(|value| [value; LANES]).collect();
+        let states = self.law.initial_state().into_iter().map(|value| [value; LANES]).collect();
         let length = start.area.map(f64::sqrt);
         ReturnState { states, angle: [0.0; LANES], active: [1.0; LANES], length, volume: start.volume }
     }
 
     fn holds_pressure(&self) -> bool {
-        self.0.holds_pressure()
+        self.law.holds_pressure()
     }
 
     /// Updates each point of a block; an increment of zero length changes nothing. Equation (20.2).
@@ -73,7 +78,7 @@ impl Material for ReturnMaterial {
         strain: &StrainIncrement,
         update: &mut StressUpdate,
     ) {
-        let moduli = self.0.moduli();
+        let moduli = self.law.moduli();
         (update.bulk, update.shear) = ([moduli.bulk; LANES], [moduli.shear; LANES]);
         if strain.dt == 0.0 {
             return;
@@ -103,8 +108,9 @@ impl Material for ReturnMaterial {
                 lost: 0.0,
                 deleted: false,
             };
-            self.0.update(&mut point);
-            let ReturnPoint { strain: increment, moduli, plastic, compacted, lost, deleted, .. } = point;
+            self.law.update(&mut point);
+            let ReturnPoint { strain: increment, moduli, plastic, compacted, lost, .. } = point;
+            let deleted = point.deleted && !self.keeps_elements;
             let new = if deleted { [0.0; 4] } else { point.stress };
             let both = std::array::from_fn(|i| 0.5 * (carried[i] + new[i]));
             let (volume, work) = (strain.volume[l], contraction(both, increment));
@@ -113,7 +119,7 @@ impl Material for ReturnMaterial {
                 // The force of the element ends with its stress: its elastic energy and the work of the increment are lost.
                 let previous: [f64; MOST_STATES] =
                     std::array::from_fn(|i| state.states.get(i).map_or(0.0, |list| list[l]));
-                let lost = volume * (work + self.0.recoverable_energy(carried, &previous[..count]));
+                let lost = volume * (work + self.law.recoverable_energy(carried, &previous[..count]));
                 update.dissipated[l] += lost;
                 update.damaged[l] += lost;
                 state.active[l] = 0.0;
@@ -144,7 +150,7 @@ impl Material for ReturnMaterial {
     }
 
     fn can_delete(&self) -> bool {
-        self.0.deletes()
+        self.law.deletes() && !self.keeps_elements
     }
 
     fn initial_volume(&self, state: &ReturnState, lane: usize) -> f64 {
@@ -153,14 +159,14 @@ impl Material for ReturnMaterial {
 
     fn value(&self, state: &ReturnState, lane: usize, part: VariableComponent) -> Option<f64> {
         if part.variable == Variable::Status {
-            return self.0.deletes().then(|| state.active[lane]);
+            return self.can_delete().then(|| state.active[lane]);
         }
-        self.0.output(part).map(|index| state.states[index][lane])
+        self.law.output(part).map(|index| state.states[index][lane])
     }
 
     fn set(&self, state: &mut ReturnState, lane: usize, value: PointValue) -> bool {
         let PointValue::PlasticStrain(strain) = value else { return false };
-        let Some(index) = self.0.output(Variable::PlasticStrain.into()) else { return false };
+        let Some(index) = self.law.hardening_state() else { return false };
         state.states[index][lane] = strain;
         true
     }

@@ -91,6 +91,10 @@ impl StressReturn for PorousMetal {
         vec![0.0, self.voids, 1.0 - self.voids]
     }
 
+    fn hardening_state(&self) -> Option<usize> {
+        Some(STRAIN)
+    }
+
     fn output(&self, part: VariableComponent) -> Option<usize> {
         match part.variable {
             Variable::PlasticStrain => Some(STRAIN),

@@ -53,6 +53,10 @@ impl StressReturn for SpallingSolid {
         vec![0.0; 2]
     }
 
+    fn hardening_state(&self) -> Option<usize> {
+        Some(STRAIN)
+    }
+
     fn output(&self, part: VariableComponent) -> Option<usize> {
         match part.variable {
             Variable::PlasticStrain => Some(STRAIN),

@@ -13,8 +13,8 @@ use crate::element::values;
 use crate::kernel::lists::Memory;
 use crate::model::remesh::name_in_deck;
 use crate::model::{
-    AmplitudeDefinition, ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval,
-    OutputKind, OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
+    AmplitudeDefinition, ContactPairFilter, ElementSetId, MaterialDefinition, MemberSet, Model, NodeSetId, OutputCard,
+    OutputInterval, OutputKind, OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
 };
 use crate::plan::contact::cohesion::{cohesive_behaviors, has_cohesive_variable};
 use crate::plan::contact::general::pair_name;
@@ -640,7 +640,7 @@ fn frame_fields(
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let has_nodes = !scene.places.nodes.is_empty();
     let (conducts, deletes) = (scene.model.solves_for_temperatures(), deletes(scene));
-    let damages = materials_present(scene).any(|material| material.has_failure())
+    let damages = materials_present(scene).any(MaterialDefinition::loses_elastic_energy)
         || damaged_interfaces(scene.model).next().is_some()
         || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
     let (scales, smooths) =

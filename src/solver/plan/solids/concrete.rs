@@ -1,6 +1,7 @@
 //! Law of concrete damaged plasticity from its cards.
 
-use super::strength::{LawOrFault, StrengthFault, StrengthLaw, elasticity, fault, tangent};
+use super::strength::{LawOrFault, StrengthFault, StrengthLaw, StrengthWarning, elasticity, fault, tangent};
+use crate::deck::Span;
 use crate::material::returns::concrete::{ConcreteDamagedPlasticity, ConcreteFailure};
 use crate::material::returns::concrete_return::ConcreteSurface;
 use crate::material::returns::concrete_tables::{ConcreteAbscissa, ConcreteTable};
@@ -20,19 +21,26 @@ pub fn concrete_law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
     };
     let (crushing, to_tension) =
         cards.compression_damage.as_ref().map_or((&[][..], 0.0), |(card, _)| (&card.rows, card.recovery));
+    starts_at_zero(&hardening.rows, *compression_span)?;
     let compression = ConcreteTable::new(ConcreteAbscissa::Strain, &hardening.rows, crushing, young);
     let compression = compression.and_then(|table| table.check(longest).map(|()| table));
     let compression = compression.or_else(|reason| fault(*compression_span, format!("compression: {reason}"), ""))?;
     let tension = tension_table(cards, young, longest, material)?;
     let snap_back = tension.snap_back_length(young);
     let warning = (longest > snap_back).then(|| {
-        format!(
-            "elements are up to {longest:.4} long, and the tensile stress falls faster than they unload above {snap_back:.4}: \
-             they dissipate more than the fracture energy"
-        )
+        let message = format!(
+            "elements are up to {longest:.3e} long, and the tensile stress falls faster than they unload above \
+             {snap_back:.3e}: they dissipate more than the fracture energy"
+        );
+        StrengthWarning { code: "P149", message, help: "give shorter elements".into() }
     });
     let [angle, eccentricity, biaxial, meridian] = card.row;
     let to_compression = cards.tension_damage.as_ref().map_or(1.0, |(card, _)| card.recovery);
+    if let Some((card, failure_span)) = &cards.concrete_failure
+        && card.limits.iter().all(|limit| limit.is_nan())
+    {
+        return fault(*failure_span, "*CONCRETE FAILURE has no limit", "give at least one of its four values");
+    }
     let law = ConcreteDamagedPlasticity {
         dilatancy: tangent(angle),
         eccentricity,
@@ -65,6 +73,9 @@ fn tension_table(
         }
         None => &[],
     };
+    if *kind < 2 {
+        starts_at_zero(rows, *span)?;
+    }
     let table = match kind {
         0 => ConcreteTable::new(ConcreteAbscissa::Strain, rows, damages, young),
         1 => ConcreteTable::new(ConcreteAbscissa::Displacement, rows, damages, young),
@@ -72,6 +83,15 @@ fn tension_table(
     };
     let table = table.and_then(|table| table.check(longest).map(|()| table));
     table.or_else(|reason| fault(*span, format!("tension: {reason}"), ""))
+}
+
+/// Refuses a table whose first inelastic strain or displacement of a rate is not 0.
+fn starts_at_zero(rows: &[[f64; 3]], span: Span) -> Result<(), StrengthFault> {
+    let begins = |i: usize| i == 0 || rows[i][2] != rows[i - 1][2];
+    match (0..rows.len()).find(|i| begins(*i) && rows[*i][1] != 0.0) {
+        Some(i) => fault(span, format!("inelastic strains must start at 0, found {}", rows[i][1]), ""),
+        None => Ok(()),
+    }
 }
 
 fn concrete_failure(cards: &StrengthCards) -> Option<ConcreteFailure> {

@@ -75,7 +75,7 @@ pub struct SolidProperties<'a> {
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
     deletion_margin: f64,
     /// Whether failed elements are kept.
-    keep_elements: bool,
+    pub keep_elements: bool,
     /// Absolute zero on the temperature scale of the model.
     absolute_zero: f64,
 }
@@ -137,6 +137,10 @@ fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMateri
     let material = solid.material;
     if !material.is_explosive() && !material.detonation.is_empty() {
         report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
+    }
+    if let Some(compaction) = material.compaction.filter(|_| material.eos.is_none()) {
+        let message = format!("material `{}`: *EOS COMPACTION needs *EOS, TYPE=USUP for the solid", material.name);
+        return report.refuse(Diagnostic::error("P013", message).at(compaction.span, "this compaction"));
     }
     let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
     (row.law)(solid, report)
@@ -582,6 +586,9 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
                 "BRITTLE failure without deletion needs *ELASTIC in place of *EOS",
                 report,
             );
+        }
+        if tensile.deletes && (tensile.loses_shear || tensile.loses_tension) {
+            report.add_unused_card(tensile.span, "*TENSILE FAILURE, BRITTLE", "failed elements are deleted");
         }
         let end = if tensile.deletes { "deletion" } else { "cutoff" };
         report.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));

@@ -23,8 +23,14 @@ use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
 /// A law from the cards of a material.
 pub struct StrengthLaw {
     pub law: Box<dyn StressReturn>,
-    /// Warning about the law in this mesh.
-    pub warning: Option<String>,
+    pub warning: Option<StrengthWarning>,
+}
+
+/// Warning about a law in a mesh.
+pub struct StrengthWarning {
+    pub code: &'static str,
+    pub message: String,
+    pub help: String,
 }
 
 /// A law, or the reason why the cards do not give one, with the place.
@@ -58,11 +64,12 @@ pub fn strength_law(solid: &SolidProperties, report: &mut Report) -> Option<Soli
     match law(material, longest).and_then(|law| check_other_cards(solid).map(|()| law)) {
         Ok(StrengthLaw { law, warning }) => {
             report.ledger_row(span, "strength", 1, "material", law.describe());
-            if let Some(warning) = warning {
-                let message = format!("material `{}`: {warning}", material.name);
-                report.push(Diagnostic::warning("P149", message).at(span, "this law").help("give shorter elements"));
+            if let Some(StrengthWarning { code, message, help }) = warning {
+                let message = format!("material `{}`: {message}", material.name);
+                report.push(Diagnostic::warning(code, message).at(span, "this law").help(help));
             }
-            Some(SolidMaterial::Return(ReturnMaterial(law)))
+            let keeps_elements = solid.keep_elements && law.deletes();
+            Some(SolidMaterial::Return(ReturnMaterial { law, keeps_elements }))
         }
         Err(fault) => fault.report(material, keyword, report),
     }
@@ -92,7 +99,7 @@ pub fn spalling_law(solid: &SolidProperties, report: &mut Report) -> Option<Soli
     match parts {
         Ok(law) => {
             report.ledger_row(span, "tensile failure", 1, "criterion", law.describe());
-            Some(SolidMaterial::Return(ReturnMaterial(Box::new(law))))
+            Some(SolidMaterial::Return(ReturnMaterial { law: Box::new(law), keeps_elements: false }))
         }
         Err(fault) => fault.report(material, "TENSILE FAILURE", report),
     }
@@ -101,7 +108,10 @@ pub fn spalling_law(solid: &SolidProperties, report: &mut Report) -> Option<Soli
 /// Returns the moduli of a material whose law has its own constants of elasticity; `None` for others.
 pub fn moduli_of_law(material: &MaterialDefinition) -> Option<ElasticModuli> {
     let StrengthCards { johnson_holmquist, holmquist_johnson_cook, .. } = &material.strength;
-    (johnson_holmquist.is_some() || holmquist_johnson_cook.is_some()).then(|| material.small_strain_moduli(None))?
+    // An error of the constants is reported when the law is selected.
+    let unknown = ElasticModuli { bulk: 1.0, shear: 1.0 };
+    let has_moduli = johnson_holmquist.is_some() || holmquist_johnson_cook.is_some();
+    has_moduli.then(|| material.small_strain_moduli(None).unwrap_or(unknown))
 }
 
 fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
@@ -113,7 +123,7 @@ fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
     } else if cards.drucker_prager.is_some() || cards.drucker_prager_hardening.is_some() {
         Box::new(drucker_prager(material)?)
     } else if cards.cap.is_some() || cards.cap_hardening.is_some() {
-        Box::new(cap(material)?)
+        return cap(material);
     } else if cards.porous_metal.is_some() || cards.void_nucleation.is_some() || cards.porous_failure.is_some() {
         Box::new(porous_metal(material)?)
     } else if let Some((card, span)) = &cards.potential {
@@ -129,13 +139,29 @@ fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
     Ok(StrengthLaw { law, warning: None })
 }
 
+/// Returns the first card of the law to which a card belongs.
+fn family(keyword: &'static str) -> &'static str {
+    match keyword {
+        "DRUCKER PRAGER HARDENING" => "DRUCKER PRAGER",
+        "CAP HARDENING" => "CAP PLASTICITY",
+        "VOID NUCLEATION" | "POROUS FAILURE CRITERIA" => "POROUS METAL PLASTICITY",
+        _ if keyword.starts_with("CONCRETE ") => "CONCRETE DAMAGED PLASTICITY",
+        _ => keyword,
+    }
+}
+
 /// Refuses cards of other laws, which would have no effect.
 fn check_other_cards(solid: &SolidProperties) -> Result<(), StrengthFault> {
     let material = solid.material;
     let cards = &material.strength;
     let has_moduli = cards.johnson_holmquist.is_some() || cards.holmquist_johnson_cook.is_some();
     let takes_plastic = cards.potential.is_some() || cards.porous_metal.is_some();
+    let first = cards.cards().next().map_or("", |(keyword, _)| family(keyword));
+    if let Some((keyword, span)) = cards.cards().find(|(keyword, _)| family(keyword) != first) {
+        return fault(span, format!("*{keyword} belongs to another law than *{first}"), "a material has one law");
+    }
     let others = [
+        (material.compaction.is_some(), "*EOS COMPACTION"),
         (has_moduli && material.elastic.is_some(), "*ELASTIC"),
         (material.shear_modulus.is_some(), "*ELASTIC, TYPE=SHEAR"),
         (material.eos.is_some(), "*EOS"),
@@ -210,7 +236,9 @@ fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> Result<HolmquistJohn
     let [least_strain, largest_strength, crush_pressure, crush, lock_pressure, lock, d1, d2] = *second;
     let [k1, k2, k3, deletion, ..] = *third;
     let compacted = HolmquistJohnsonCook::compacted([lock_pressure, lock], [k1, k2, k3]);
-    let Some(compacted) = compacted.filter(|compacted| lock_pressure > crush_pressure && *compacted > crush) else {
+    let Some(compacted) =
+        compacted.filter(|compacted| lock_pressure > crush_pressure && *compacted > crush && lock >= crush)
+    else {
         return fault(
             span,
             "compaction must end at a larger pressure and compression than it begins",
@@ -233,7 +261,7 @@ fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> Result<HolmquistJohn
     })
 }
 
-fn cap(material: &MaterialDefinition) -> Result<CapPlasticity, StrengthFault> {
+fn cap(material: &MaterialDefinition) -> LawOrFault {
     let cards = &material.strength;
     let Some((card, span)) = &cards.cap else {
         return fault(material.span, "*CAP HARDENING without *CAP PLASTICITY", "");
@@ -242,20 +270,29 @@ fn cap(material: &MaterialDefinition) -> Result<CapPlasticity, StrengthFault> {
         return fault(*span, "*CAP PLASTICITY without *CAP HARDENING", "");
     };
     let [cohesion, angle, eccentricity, compaction, transition] = card.row;
-    if hardening.rows.len() > 1 && hardening.rows.iter().all(|row| row[0] < 1.0 && row[1] > 1.0) {
+    if hardening.rows.len() > 1
+        && hardening.rows.iter().all(|row| row[0] < 1.0)
+        && hardening.rows[hardening.rows.len() - 1][1] > 1.0
+    {
         let help = "exchange the columns: pressure first, then compaction";
         return fault(*hardening_span, "pressures look like strains, and strains like pressures", help);
     }
-    Ok(CapPlasticity {
-        cohesion,
-        friction: tangent(angle),
-        eccentricity,
-        transition,
-        compaction,
-        hardening: LinearTable { rows: hardening.rows.clone() },
-        moduli: elasticity(material, *span)?,
-    })
+    let friction = tangent(angle);
+    let hardening = LinearTable { rows: hardening.rows.clone() };
+    let moduli = elasticity(material, *span)?;
+    let centre = (hardening.value(compaction) - eccentricity * cohesion) / (1.0 + eccentricity * friction);
+    // The published flow potential dissipates q²/m² - p (pa - p) tan²(beta), for all p up to pa.
+    let warning = (cohesion < DISSIPATING_COHESION * centre * friction).then(|| StrengthWarning {
+        code: "P150",
+        message: format!("a cohesion of {cohesion} lets plastic flow at low pressure create energy"),
+        help: format!("give at least {:.3e}", DISSIPATING_COHESION * centre * friction),
+    });
+    let law = CapPlasticity { cohesion, friction, eccentricity, transition, compaction, hardening, moduli };
+    Ok(StrengthLaw { law: Box::new(law), warning })
 }
+
+/// Cohesion over the strength pa tan(beta) from which flow on the failure surface dissipates at all pressures, (sqrt(2) - 1)/2.
+const DISSIPATING_COHESION: f64 = 0.2071;
 
 fn porous_metal(material: &MaterialDefinition) -> Result<PorousMetal, StrengthFault> {
     let cards = &material.strength;
@@ -312,9 +349,12 @@ fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, Streng
     let Some((card, span)) = &cards.drucker_prager else {
         return fault(material.span, "*DRUCKER PRAGER HARDENING without *DRUCKER PRAGER", "");
     };
-    let Some((DruckerPragerHardening { test, rows }, _)) = &cards.drucker_prager_hardening else {
+    let Some((DruckerPragerHardening { test, rows }, hardening_span)) = &cards.drucker_prager_hardening else {
         return fault(*span, "*DRUCKER PRAGER without *DRUCKER PRAGER HARDENING", "");
     };
+    if rows[0][1] != 0.0 {
+        return fault(*hardening_span, format!("plastic strains must start at 0, found {}", rows[0][1]), "");
+    }
     let hardening = LinearTable { rows: rows.clone() };
     let (test, yield_stress) = (YieldTest::ALL[*test], hardening.value(0.0));
     let moduli = elasticity(material, *span)?;
