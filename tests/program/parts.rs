@@ -113,7 +113,7 @@ fn dakota_files_are_read_and_written() {
     printed(&output);
     let (value, gradient) = both.split_once("depth\n").expect("its label");
     same(value, known[0]);
-    let gradient = gradient.trim().trim_start_matches("[ ").trim_end_matches(" ]");
+    let gradient = gradient.trim().trim_start_matches('[').trim_end_matches(']').trim();
     let near = ["599", "601"].map(|speed| {
         let (output, depth) = answer(&dakota_input("4", speed), "near.out");
         printed(&output);

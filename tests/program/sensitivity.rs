@@ -180,7 +180,8 @@ fn change_on_a_coarser_mesh_is_that_of_two_commands() {
         let parameter = object["quantities"][0]["parameters"][0].clone();
         (number(&parameter["logarithmic"]["value"]), parameter["mesh"].clone())
     };
-    let [(fine, none), (coarse, _), (same, change)] = [&[][..], &["--set", "mesh=1/2"], &["--coarser-mesh"]].map(run);
+    let [(fine, none), (coarse, _), (same, change)] =
+        [&[][..], &["--set", "mesh=1/2"], &["--coarser", "mesh=1/2"]].map(run);
     assert!(none.is_null() && same == fine);
     assert_eq!(number(&change), (fine - coarse).abs());
 }
@@ -194,6 +195,7 @@ fn invalid_requests_name_the_option() {
         (&["--to", "V", "--step", "A=1"], "--step A=1: expected a parameter of --to"),
         (&["--to", "V", "--step", "V=x"], "--step V=x: expected a number"),
         (&["--to", "a", "--step", "a=-1"], "--step a=-1: expected a number above zero"),
+        (&["--to", "V", "--coarser", "V=1"], "--coarser V=1: --to has the same parameter"),
         (&["--to", "n"], "8 of 8 runs with changes of n gave no result"),
         (&["--to", "V", "--of", "final(X)"], "final(X)"),
     ] {

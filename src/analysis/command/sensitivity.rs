@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::sync::atomic::AtomicUsize;
 
-use crate::deck::MESH_SETTINGS;
 use crate::job::ParameterOverrides;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::study::evaluate::DeckSource;
@@ -39,9 +38,10 @@ pub struct SensitivityCommand {
     /// (default: 8 runs if the deck has contact, failure, element deletion or new meshes; 0 omits them).
     #[arg(long, value_name = "N")]
     jitter: Option<u16>,
-    /// Repeat all runs on a mesh with half as many elements along each edge, and print how much the derivatives change.
-    #[arg(long)]
-    coarser_mesh: bool,
+    /// Repeat all runs with a coarser mesh, given by a parameter or by mesh, and print how much the derivatives change: for
+    /// example mesh=1/2 or k=2.
+    #[arg(long, value_name = "NAME=VALUE")]
+    coarser: Option<String>,
 }
 
 impl SensitivityCommand {
@@ -76,16 +76,17 @@ impl SensitivityCommand {
         repeated.map_or(Ok(()), |(_, name)| Err(format!("--to {name}: the parameter is given twice")))
     }
 
-    /// Returns the settings of a coarser mesh; `None` without `--coarser-mesh`.
-    fn coarse_settings(&self, settings: &[(String, String)]) -> Result<Option<Vec<(String, String)>>, Box<dyn Error>> {
-        if !self.coarser_mesh {
-            return Ok(None);
+    /// Returns the settings of a coarser mesh; `None` without `--coarser`.
+    fn coarse_settings(&self, settings: &ParameterOverrides) -> Result<Option<Vec<(String, String)>>, String> {
+        let Some(text) = &self.coarser else { return Ok(None) };
+        let wrong = |why: &str| format!("--coarser {text}: {why}, for example mesh=1/2");
+        let (name, value) = text.split_once('=').ok_or_else(|| wrong("expected NAME=VALUE"))?;
+        let (name, value) = (name.trim(), value.trim());
+        if self.parameters.iter().any(|parameter| parameter == name) {
+            return Err(wrong("--to has the same parameter; expected a parameter of the mesh"));
         }
-        if let Some((name, _)) = settings.iter().find(|(name, _)| MESH_SETTINGS.contains(&name.as_str())) {
-            return Err(format!("--coarser-mesh: --set {name} already divides the mesh; remove one of both").into());
-        }
-        let coarse = (MESH_SETTINGS[0].to_owned(), "1/2".to_owned());
-        Ok(Some(settings.iter().cloned().chain([coarse]).collect()))
+        let others = settings.iter().filter(|(other, _)| other != name).cloned();
+        Ok(Some(others.chain([(name.to_owned(), value.to_owned())]).collect()))
     }
 
     /// Runs the companion runs.

@@ -294,9 +294,10 @@ impl SampleEvaluator {
     /// Returns whether a quantity uses means over the interval between rows: reactions and forces of contact pairs, also in
     /// an expression of the deck.
     fn uses_means(&self, plan: &Plan) -> bool {
-        let is_mean = |column: &HistoryColumn| match (column.source, column.part.map(|part| part.variable)) {
-            (ColumnSource::Pair(_), _) | (_, Some(Variable::Reaction | Variable::ReactionMoment)) => true,
-            _ => false,
+        let is_mean = |column: &HistoryColumn| {
+            let variable = column.part.map(|part| part.variable);
+            matches!(column.source, ColumnSource::Pair(_))
+                || matches!(variable, Some(Variable::Reaction | Variable::ReactionMoment))
         };
         let is_or_has_mean = |column: &HistoryColumn| match column.source {
             ColumnSource::Expression(_) => plan.columns.iter().any(is_mean),

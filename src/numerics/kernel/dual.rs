@@ -155,6 +155,7 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
 
     #[inline(always)]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "product rule of slopes")]
     fn mul(self, other: Self) -> Self {
         self.combined(other, self.value * other.value, |a, b| a * other.value + self.value * b)
     }
@@ -164,6 +165,7 @@ impl<const N: usize> Div for Dual<N> {
     type Output = Self;
 
     #[inline(always)]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "quotient rule of slopes")]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
         self.combined(other, value, |a, b| (a - value * b) / other.value)

@@ -4,6 +4,7 @@
 use super::staged_shots::{FinalValue, StagedShots, resistances};
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::dual::{Dual, derivative_along};
+use crate::kernel::lanes::inline_from_fn;
 use crate::kernel::shot_stages::{ForceStage, PathMotion, ShotPath};
 use crate::load::cavity::{AxialResistance, ResistanceConstants, force_stage_slopes, force_stages};
 use crate::plan::{Plan, State};
@@ -105,7 +106,7 @@ impl StagedShots {
                 Some(known) => with_slopes(known, force_slopes),
                 None => with_slopes(&force_stages(&of_body, along), force_slopes),
             };
-            let of_slopes: [[f64; 2]; N] = std::array::from_fn(|i| slopes[i].of_body(index));
+            let of_slopes: [[f64; 2]; N] = inline_from_fn(|i| slopes[i].of_body(index));
             ends.push(end_of(body, of_slopes, stages, along, duration)?);
         }
         Some(self.final_row(plan, &ends, duration))
@@ -154,11 +155,11 @@ fn slopes_of(resistances: &[AxialResistance<'_>], slopes: &[ResistanceConstants]
 fn with_slopes<const N: usize>(stages: &[ForceStage], slopes: Vec<Vec<ForceStage>>) -> Vec<ForceStage<Dual<N>>> {
     let dual = |stage: usize, k: usize, j: usize| Dual {
         value: stages[stage].force[k][j],
-        slopes: std::array::from_fn(|i| slopes[i].get(stage).map_or(0.0, |stage| stage.force[k][j])),
+        slopes: inline_from_fn(|i| slopes[i].get(stage).map_or(0.0, |stage| stage.force[k][j])),
     };
     let of_stage = |stage: usize| ForceStage {
         length: constant(stages[stage].length),
-        force: std::array::from_fn(|k| std::array::from_fn(|j| dual(stage, k, j))),
+        force: inline_from_fn(|k| inline_from_fn(|j| dual(stage, k, j))),
     };
     (0..stages.len()).map(of_stage).collect()
 }
@@ -171,9 +172,8 @@ fn end_of<const N: usize>(
     along: f64,
     duration: f64,
 ) -> Option<BodyEnd<N>> {
-    let [velocity, mass] = [0, 1].map(|at| slopes.map(|slopes| slopes[at]));
-    let striking = Dual { value: body.velocity, slopes: velocity };
-    let mass = Dual { value: body.mass, slopes: mass };
+    let of = |value: f64, at: usize| Dual { value, slopes: inline_from_fn(|i| slopes[i][at]) };
+    let (striking, mass) = (of(body.velocity, 0), of(body.mass, 1));
     let PathMotion { distance, velocity, deceleration, .. } =
         ShotPath::new(mass, stages)?.motion_at(striking * along, duration)?;
     let [displacement, velocity, acceleration] = [distance * along, velocity * along, deceleration * -along];
