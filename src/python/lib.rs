@@ -40,6 +40,7 @@ fn _revolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::study, module)?)?;
     module.add_function(wrap_pyfunction!(study::limit, module)?)?;
     module.add_function(wrap_pyfunction!(study::uncertainty, module)?)?;
+    module.add_function(wrap_pyfunction!(study::sensitivity, module)?)?;
     module.add_class::<deck::Deck>()?;
     module.add_class::<deck::User>()?;
     module.add_class::<evaluate::Evaluator>()?;

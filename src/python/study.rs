@@ -18,6 +18,7 @@ use revolve::study::limit::{self as limits, LimitRequest};
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
 use revolve::study::runner::{RunSource, StudyRunner};
+use revolve::study::sensitivity::{SensitivityRequest, sensitivities};
 use revolve::study::settings::{self, StudyAxis};
 use revolve::study::target::ErrorTarget;
 use revolve::study::uncertainty::{self as uncertainties, ModelTraits, UncertaintyRequest};
@@ -116,6 +117,43 @@ pub fn uncertainty(
     waiting.end()?;
     let certificate = estimated.map_err(PyOSError::new_err)?.map_err(|why| errors::study(py, &why))?;
     Ok(serde_json::json!(certificate).to_string())
+}
+
+/// Differentiates quantities by parameters, with their values in `settings` or in the deck, and returns the results as JSON.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+pub fn sensitivity(
+    py: Python<'_>,
+    deck: &Deck,
+    settings: ParameterSettings,
+    quantities: Vec<String>,
+    parameters: Vec<String>,
+    steps: Vec<Option<f64>>,
+    jitter: Option<usize>,
+    threads: usize,
+    user: Option<&User>,
+) -> PyResult<String> {
+    let waiting = PythonWait::new(None);
+    let differentiate = |_: &dyn Fn(ProgressMessage)| {
+        let quantities = quantities.iter().map(|text| Quantity::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        let request = SensitivityRequest {
+            deck: &deck.source,
+            settings: &settings,
+            user: user.map(|user| &user.compiled),
+            quantities: &quantities,
+            names: &parameters,
+            steps: &steps,
+            jitter,
+            in_increments: false,
+            threads,
+            interrupt: &waiting.interrupt,
+        };
+        sensitivities(&request, &mut |_| {})
+    };
+    let differentiated = py.detach(|| waiting::on_threads(threads, differentiate, &mut |_| waiting.check_signals()));
+    waiting.end()?;
+    let results = differentiated.map_err(PyOSError::new_err)?.map_err(|why| errors::study(py, &why))?;
+    Ok(serde_json::json!(results).to_string())
 }
 
 /// Finds a ballistic limit and returns its record as JSON.

@@ -168,23 +168,23 @@ const SHARED_OPTIONS: [(&str, &str, &[&str]); 6] = [
     (
         "--threads",
         "<N> Number of threads (default: all cores;",
-        &["run", "study", "sweep", "scatter", "limit", "identify", "material"],
+        &["run", "study", "sweep", "scatter", "sensitivity", "limit", "identify", "material"],
     ),
     ("--no-frames", "Write no frames,", &["run"]),
     (
         "--out",
         "<FOLDER> Result folder (default: out/<deck name>)",
-        &["run", "study", "sweep", "scatter", "limit", "identify", "material"],
+        &["run", "study", "sweep", "scatter", "sensitivity", "limit", "identify", "material"],
     ),
     (
         "--label",
         "<COLUMN=TEXT> Label shown in pictures for a quantity, a column or a parameter,",
-        &["study", "sweep", "scatter", "limit", "identify", "report", "material", "chart"],
+        &["study", "sweep", "scatter", "sensitivity", "limit", "identify", "report", "material", "chart"],
     ),
     (
         "--json",
         "Print only one JSON object",
-        &["run", "study", "check", "sweep", "scatter", "limit", "identify", "resistance", "material"],
+        &["run", "study", "check", "sweep", "scatter", "sensitivity", "limit", "identify", "resistance", "material"],
     ),
     (
         "--quiet",
@@ -195,6 +195,7 @@ const SHARED_OPTIONS: [(&str, &str, &[&str]); 6] = [
             "check",
             "sweep",
             "scatter",
+            "sensitivity",
             "limit",
             "identify",
             "report",
@@ -217,6 +218,7 @@ fn commands_have_the_shared_options() {
         "explain",
         "sweep",
         "scatter",
+        "sensitivity",
         "limit",
         "identify",
         "report",

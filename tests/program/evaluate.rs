@@ -14,7 +14,7 @@ use revolve::study::evaluate::{DeckSource, SampleEvaluator, SampleTable, UserRou
 use revolve::study::quantity::{FinishedRun, Quantity, history};
 use revolve::user::Routines;
 
-use crate::common::project;
+use crate::common::{self, project};
 
 /// All loads of rigid bodies, over two steps, with a target of two layers.
 const LOADS: &str = "\
@@ -292,4 +292,19 @@ fn an_interrupt_ends_a_table_early() {
         assert!(failures.len() <= threads, "{} were begun", failures.len());
         assert!(failures.iter().all(|f| f.reason.to_string().contains("R207")), "{failures:?}");
     }
+}
+
+/// Reactions and contact forces are means since the previous row, so that a run of which only the last row is needed still
+/// has all rows. Source: the same run with its history.
+#[test]
+fn final_reactions_match_those_of_a_run() {
+    let deck = project("input/indentation.inp");
+    let settings = common::pairs(&[("n", "8")]);
+    let prepared = job::prepare(&deck, &settings, &Routines::none());
+    let (_, history) = job::run_in_memory(&prepared);
+    let quantity = Quantity::parse("final(RF2@SPHERE)").expect("a quantity");
+    let source = DeckSource::File(deck);
+    let evaluator = SampleEvaluator::new(source, settings, vec!["speed".into()], vec![quantity], UserRoutines::Absent);
+    let (table, failures) = evaluator.expect("an evaluator").table(&[50.0], 1).expect("threads");
+    assert_eq!((table, failures), (vec![history.0["RF2@SPHERE"].last], Vec::new()));
 }

@@ -33,6 +33,7 @@ mod reproducibility;
 mod restart;
 mod same_bits;
 mod searches;
+mod sensitivity;
 mod slurm;
 mod soak;
 mod staged_shots;

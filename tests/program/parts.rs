@@ -108,14 +108,27 @@ fn dakota_files_are_read_and_written() {
     printed(&output);
     let answered: serde_json::Value = serde_json::from_str(&answered).expect("JSON");
     same(&answered[0]["functions"]["depth"].to_string(), known[0]);
+    // A gradient follows the value. Source: differences of the depth over 1 m/s in increments.
+    let (output, both) = answer(&dakota_input("4", "600").replace("1 ASV", "3 ASV"), "gradient.out");
+    printed(&output);
+    let (value, gradient) = both.split_once("depth\n").expect("its label");
+    same(value, known[0]);
+    let gradient = gradient.trim().trim_start_matches('[').trim_end_matches(']').trim();
+    let near = ["599", "601"].map(|speed| {
+        let (output, depth) = answer(&dakota_input("4", speed), "near.out");
+        printed(&output);
+        depth.trim().trim_end_matches("depth").trim().parse::<f64>().expect("a number")
+    });
+    let slope: f64 = gradient.parse().expect("a number");
+    assert!((0.5 * (near[1] - near[0]) / slope - 1.0).abs() < 1e-3, "{slope} {near:?}");
     // An invalid deck gives a failed evaluation, because Dakota waits for a results file.
     let (output, failed) = answer(&dakota_input("4", "nan"), "failed.out");
     assert_eq!((output.status.code(), &*failed), (Some(2), "FAIL\n"));
     // An invalid parameters file gives no results file.
-    let (output, nothing) = answer(&dakota_input("4", "600").replace("1 ASV", "2 ASV"), "none.out");
+    let (output, nothing) = answer(&dakota_input("4", "600").replace("1 ASV", "4 ASV"), "none.out");
     let message_text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(
-        !output.status.success() && nothing.is_empty() && message_text.contains("derivatives of depth"),
+        !output.status.success() && nothing.is_empty() && message_text.contains("second derivatives of depth"),
         "{message_text}"
     );
 }

@@ -322,6 +322,18 @@ def test_uncertainty_names_its_dominant_part(deck: rv.Deck) -> None:
     assert found["conclusions"][0].startswith("-1000*final(U2@REF) = ")
 
 
+def test_sensitivity_is_the_slope_of_the_depth(deck: rv.Deck) -> None:
+    depth = "-1000*final(U2@REF)"
+    (of_depth,) = deck.sensitivity(depth, ["V", "CRH"], V=600)["quantities"]
+    near = deck.evaluate({"V": np.array([599.0, 601.0])}, depth)
+    velocity, shape = of_depth["parameters"]
+    assert (velocity["method"], shape["method"]) == ("stages", "differences")
+    assert velocity["derivative"]["value"] == pytest.approx(0.5 * (near[1, 0] - near[0, 0]), rel=1e-5)
+    assert shape["logarithmic"]["uncertainty"] < 1e-3 * shape["logarithmic"]["value"]
+    with pytest.raises(rv.StudyError, match="no parameter speed"):
+        deck.sensitivity(depth, "speed")
+
+
 def test_limit_reports_outcomes() -> None:
     deck = rv.Deck(ROOT / "input" / "plate_6061.inp")
     found = deck.limit("V", (200, 900), 1.0, shots=6)

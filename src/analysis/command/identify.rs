@@ -103,7 +103,7 @@ impl IdentifyCommand {
         let lines = self.lines(&results, &job);
         self.search.print(&results.table(NumberFormat::Rounded), &lines);
         self.search.output.print_json(&object)?;
-        search::warn_still_moving(problem.evaluator());
+        search::warn_still_moving(problem.evaluator().still_moving());
         Ok(CommandStatus::of(results.converged()))
     }
 

@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand};
 use super::words::{print_err, record_command};
 use super::{
     CommandStatus, chart, check, explain, fragments, identify, info, limit, lsp, material, mesh, new, print_error,
-    report, resistance, run, scatter, shell, study, sweep, view,
+    report, resistance, run, scatter, sensitivity, shell, study, sweep, view,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
@@ -50,6 +50,7 @@ program_commands! {
     Explain: explain::ExplainCommand,
     Sweep: sweep::SweepCommand,
     Scatter: scatter::ScatterCommand,
+    Sensitivity: sensitivity::SensitivityCommand,
     Limit: limit::LimitCommand,
     Identify: identify::IdentifyCommand,
     Report: report::ReportCommand,

@@ -23,6 +23,7 @@ pub mod resistance;
 pub mod run;
 pub mod scatter;
 mod search;
+pub mod sensitivity;
 pub mod shell;
 mod slurm;
 pub mod study;

@@ -89,7 +89,7 @@ impl ScatterCommand {
             self.search.print(&self.table(&inputs, &results, NumberFormat::Rounded), &self.lines(runs, &job));
             self.search.output.print_json(&object)?;
         }
-        search::warn_still_moving(&evaluator);
+        search::warn_still_moving(evaluator.still_moving());
         Ok(report_failures(results.failed, runs, "runs", results.reason.as_ref()))
     }
 

@@ -1,7 +1,7 @@
-//! Options and output shared by the commands `limit`, `identify` and `scatter`, which evaluate one plan many times.
+//! Options and output shared by the commands `limit`, `identify`, `scatter` and `sensitivity`, which evaluate one plan many times.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::job::JobError;
@@ -30,7 +30,7 @@ pub struct SearchArguments {
     /// Integrate every run in time increments, with the bits of `revolve run`. By default, shots of rigid bodies into
     /// unbounded layers are solved by stages.
     #[arg(long)]
-    in_increments: bool,
+    pub in_increments: bool,
     #[command(flatten)]
     pub results: ResultOptions,
     #[command(flatten)]
@@ -43,6 +43,16 @@ pub type CompiledRoutines = Option<Arc<Compiled>>;
 impl SearchArguments {
     pub fn threads(&self) -> usize {
         self.results.threads.count()
+    }
+
+    /// Returns the path of the deck.
+    pub fn deck(&self) -> &Path {
+        &self.deck
+    }
+
+    /// Returns the fixed parameters.
+    pub fn settings(&self) -> Result<Vec<(String, String)>, String> {
+        self.set.pairs()
     }
 
     /// Returns whether informational output is suppressed.
@@ -85,9 +95,8 @@ impl SearchArguments {
     }
 }
 
-/// Warns of runs at whose end a body was still moving in a target.
-pub fn warn_still_moving(evaluator: &SampleEvaluator) {
-    let count = evaluator.still_moving();
+/// Warns of `count` runs at whose end a body was still moving in a target.
+pub fn warn_still_moving(count: usize) {
     if count > 0 {
         print_err!(
             "warning: R315: in {count} runs a body is still moving in the target at the end; their depths are not final"

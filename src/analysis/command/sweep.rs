@@ -4,13 +4,17 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 
 use crate::deck::{Diagnostics, files};
 use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::{Agreement, ReferenceTable};
 use crate::study::dakota;
+use crate::study::evaluate::DeckSource;
 use crate::study::grid::CaseGrid;
 use crate::study::quantity::{self, Quantity};
+use crate::study::sensitivity::{SensitivityRequest, sensitivities};
 use crate::study::{StudyError, sweep};
 use crate::user::compile::Compiled;
 use crate::user::thread_pool;
@@ -89,7 +93,7 @@ struct PreparedSweep {
     grid: CaseGrid,
     origin: CaseOrigin,
     quantities: Vec<Quantity>,
-    compiled: Option<Compiled>,
+    compiled: Option<Arc<Compiled>>,
     /// The deck with the values of the first case.
     first: job::PreparedJob,
 }
@@ -152,6 +156,7 @@ impl SweepCommand {
     ) -> Result<PreparedSweep, Box<dyn Error>> {
         let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
+        let compiled = compiled.map(Arc::new);
         let mut first = job::prepare(&self.deck, &grid.combination(0), &routines);
         origin.attribute(&mut first.diagnostics);
         accept(&first.diagnostics, &first.deck.sources, self.output.is_silent())?;
@@ -183,8 +188,9 @@ impl SweepCommand {
             bar.inc(1);
         };
         let open_cases: Vec<usize> = cases.clone().filter(|index| !known.contains_key(index)).collect();
-        let run = pool
-            .install(|| sweep::run(&self.deck, (grid, &open_cases), quantities, compiled.as_ref(), kept, &record_case));
+        let run = pool.install(|| {
+            sweep::run(&self.deck, (grid, &open_cases), quantities, compiled.as_deref(), kept, &record_case)
+        });
         bar.finish_and_clear();
         log.map_or(Ok(()), cases::SweepLog::finish)?;
         known.extend(open_cases.into_iter().zip(run));
@@ -266,9 +272,45 @@ impl SweepCommand {
             }
         };
         let results = self.run(&prepared, 0..prepared.grid.count(), None, None)?;
-        output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
+        let gradients = self.gradients(&evaluations, &prepared)?;
+        output::write_whole(answers, evaluations.answer(&results, &gradients).as_bytes())?;
         report(&prepared.grid, &results);
         Ok(CommandStatus::SUCCESS)
+    }
+}
+
+impl SweepCommand {
+    /// Computes the gradients that Dakota requests. An evaluation with an error has none, as one whose derivatives are
+    /// below the noise (R322).
+    fn gradients(
+        &self,
+        evaluations: &dakota::DakotaRequest,
+        prepared: &PreparedSweep,
+    ) -> Result<Vec<dakota::DakotaGradients>, Box<dyn Error>> {
+        let pool = thread_pool(self.results.threads.count()).build().map_err(|e| e.to_string())?;
+        let gradient = |(case, names): (usize, Option<Vec<String>>)| {
+            let names = names?;
+            let request = SensitivityRequest {
+                deck: &DeckSource::File(self.deck.clone()),
+                settings: &prepared.grid.combination(case),
+                user: prepared.compiled.as_ref(),
+                quantities: &prepared.quantities,
+                names: &names,
+                steps: &vec![None; names.len()],
+                jitter: None,
+                in_increments: false,
+                threads: self.results.threads.count(),
+                interrupt: &AtomicUsize::new(0),
+            };
+            match sensitivities(&request, &mut |_| {}) {
+                Ok(results) => results.gradients(),
+                Err(error) => {
+                    print_err!("evaluation {}: no gradient: {error}", case + 1);
+                    None
+                }
+            }
+        };
+        Ok(pool.install(|| evaluations.gradient_names().into_iter().enumerate().map(gradient).collect()))
     }
 }
 
@@ -317,7 +359,7 @@ impl PreparedSweep {
     /// Returns a hash of deck, values, quantities, user subroutines and version. Parts with a different hash belong to
     /// a different sweep.
     fn identity(&self) -> String {
-        let user = self.compiled.as_ref().map(Compiled::identity).unwrap_or_default();
+        let user = self.compiled.as_deref().map(Compiled::identity).unwrap_or_default();
         let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
         let description =
             format!("{:?} {:?} {quantities:?} {}", self.first.identity(&user), self.grid, env!("CARGO_PKG_VERSION"));

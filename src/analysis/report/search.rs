@@ -1,4 +1,4 @@
-//! Reads the results of `limit`, `identify`, `scatter` and `fragments`: the table (`<job>_limit.csv`) and the pictures.
+//! Reads the results of `limit`, `identify`, `scatter`, `sensitivity` and `fragments`: the table (`<job>_limit.csv`) and the pictures.
 
 use std::path::Path;
 
@@ -11,8 +11,13 @@ use crate::output::sums::Checksums;
 use crate::study::table::digits;
 
 /// File name parts of the commands with the titles of their sections.
-pub const KINDS: [(&str, &str); 4] =
-    [("limit", "Limit"), ("identify", "Identification"), ("scatter", "Scatter"), ("fragments", "Fragments")];
+pub const KINDS: [(&str, &str); 5] = [
+    ("limit", "Limit"),
+    ("identify", "Identification"),
+    ("scatter", "Scatter"),
+    ("sensitivity", "Sensitivities"),
+    ("fragments", "Fragments"),
+];
 /// Significant digits of numbers on the page.
 const DIGITS: usize = 7;
 /// Largest number of numbered pictures of a command.

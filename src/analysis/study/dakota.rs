@@ -35,7 +35,18 @@ struct DakotaEvaluation {
     /// Labels of requested metadata.
     #[serde(default)]
     metadata: Vec<String>,
+    /// Numbers of the variables, from 1, by which requested gradients are derivatives.
+    #[serde(default)]
+    derivative_variables: Vec<usize>,
 }
+
+/// Derivatives of each response of an evaluation by its derivative variables; `None` if one is unknown.
+pub type DakotaGradients = Option<Vec<Vec<f64>>>;
+
+/// Bits of the active set of a response.
+const VALUE: u64 = 1;
+const GRADIENT: u64 = 2;
+const HESSIAN: u64 = 4;
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 struct DakotaVariable {
@@ -73,16 +84,22 @@ impl DakotaRequest {
         if let Some(other) = rest.iter().find(|e| names(e) != names(first)) {
             return Err(format!("the variables of evaluation {} differ from those of the first evaluation", other.id));
         }
-        for DakotaEvaluation { responses, id, metadata, .. } in &self.evaluations {
+        for evaluation in &self.evaluations {
+            let DakotaEvaluation { responses, id, metadata, variables, derivative_variables } = evaluation;
+            if let Some(number) = derivative_variables.iter().find(|number| !(1..=variables.len()).contains(*number)) {
+                return Err(format!(
+                    "evaluation {id} requests derivatives by variable {number}, which it does not have"
+                ));
+            }
             if responses.len() != quantities.len() {
                 let (requested, quantity_count) = (responses.len(), quantities.len());
                 return Err(format!(
                     "evaluation {id} requests {requested} responses, but --quantity is given {quantity_count} times"
                 ));
             }
-            if let Some(DakotaResponse { label, .. }) = responses.iter().find(|r| r.active_set & 6 != 0) {
+            if let Some(DakotaResponse { label, .. }) = responses.iter().find(|r| r.active_set & HESSIAN != 0) {
                 return Err(format!(
-                    "evaluation {id} requests derivatives of {label}: use numerical_gradients, or no_gradients and no_hessians"
+                    "evaluation {id} requests second derivatives of {label}: use no_hessians, or a method that estimates them"
                 ));
             }
             if let Some(label) = metadata.first() {
@@ -99,18 +116,31 @@ impl DakotaRequest {
         CaseGrid::of_rows(names, self.evaluations.iter().map(row).collect()).with_fixed_parameters(settings, "--dakota")
     }
 
+    /// Returns the names of the variables by which each evaluation requests gradients; `None` without a request.
+    pub fn gradient_names(&self) -> Vec<Option<Vec<String>>> {
+        let names = |evaluation: &DakotaEvaluation| {
+            let is_requested = evaluation.responses.iter().any(|response| response.active_set & GRADIENT != 0);
+            let label = |number: &usize| evaluation.variables[number - 1].label.clone();
+            is_requested.then(|| evaluation.derivative_variables.iter().map(label).collect())
+        };
+        self.evaluations.iter().map(names).collect()
+    }
+
     /// Formats a results file in which all evaluations have failed.
     pub fn failed(&self) -> String {
         let values = self.evaluations.iter().map(|_| Err(StudyError::Reported(String::new()))).collect();
-        self.answer(&SweepResults { values, ..SweepResults::default() })
+        self.answer(&SweepResults { values, ..SweepResults::default() }, &vec![None; self.evaluations.len()])
     }
 
-    /// Formats the results file: values in the requested order with all digits, FAIL for evaluations without values.
-    pub fn answer(&self, results: &SweepResults) -> String {
-        let answered = self.evaluations.iter().zip(&results.values);
+    /// Formats the results file: values and gradients in the requested order with all digits, FAIL for evaluations without
+    /// them.
+    pub fn answer(&self, results: &SweepResults, gradients: &[DakotaGradients]) -> String {
+        let answered = self.evaluations.iter().zip(&results.values).zip(gradients);
+        let answers =
+            answered.map(|((request, values), gradients)| request.answer(values.as_deref().ok(), gradients.as_deref()));
         if self.form != FileFormat::Text {
             let objects: Vec<Value> =
-                answered.map(|(request, values)| request.object(values.as_deref().ok())).collect();
+                answers.map(|answer| answer.map_or(json!({ "fail": true }), |a| a.object())).collect();
             let value = if self.form == FileFormat::Json {
                 objects.into_iter().next().unwrap_or_default()
             } else {
@@ -120,32 +150,61 @@ impl DakotaRequest {
         }
         // In a batch each evaluation begins with a line `#`.
         let batch = self.evaluations[0].id.contains(':');
-        let blocks = answered.map(|(request, values)| {
+        let blocks = answers.map(|answer| {
             let begin = if batch { "#\n" } else { "" };
-            format!("{begin}{}", request.lines(values.as_deref().ok()))
+            format!("{begin}{}", answer.map_or("FAIL\n".into(), |answer| answer.lines()))
         });
         blocks.collect()
     }
 }
 
+/// Requested values and gradients of an evaluation, with their labels.
+struct DakotaAnswer<'a> {
+    values: Vec<(&'a str, f64)>,
+    gradients: Vec<(&'a str, &'a [f64])>,
+}
+
 impl DakotaEvaluation {
-    /// Returns the labels and values of the requested responses; `None` if a value is not finite.
-    fn wanted<'a>(&'a self, values: Option<&'a [f64]>) -> Option<Vec<(&'a str, f64)>> {
-        let pairs = self.responses.iter().zip(values?).filter(|(response, _)| response.active_set & 1 != 0);
-        let requested: Vec<_> = pairs.map(|(response, value)| (response.label.as_str(), *value)).collect();
-        requested.iter().all(|pair| pair.1.is_finite()).then_some(requested)
+    /// Returns the requested data; `None` if a number is missing or not finite.
+    fn answer<'a>(&'a self, values: Option<&[f64]>, gradients: Option<&'a [Vec<f64>]>) -> Option<DakotaAnswer<'a>> {
+        let requested = |bit: u64| {
+            let responses = self.responses.iter().enumerate();
+            responses.filter(move |(_, response)| response.active_set & bit != 0)
+        };
+        let value = |(index, response): (usize, &'a DakotaResponse)| {
+            let value = values?.get(index).filter(|value| value.is_finite())?;
+            Some((response.label.as_str(), *value))
+        };
+        let gradient = |(index, response): (usize, &'a DakotaResponse)| {
+            let gradient = gradients?.get(index).filter(|gradient| gradient.iter().all(|slope| slope.is_finite()))?;
+            Some((response.label.as_str(), &gradient[..]))
+        };
+        let values = requested(VALUE).map(value).collect::<Option<_>>()?;
+        Some(DakotaAnswer { values, gradients: requested(GRADIENT).map(gradient).collect::<Option<_>>()? })
+    }
+}
+
+impl DakotaAnswer<'_> {
+    fn lines(&self) -> String {
+        let number = |slope: &f64| format!("{slope:24.16e}");
+        let values = self.values.iter().map(|(label, value)| format!("{value:24.16e} {label}\n"));
+        let gradients = self
+            .gradients
+            .iter()
+            .map(|(_, gradient)| format!("[ {} ]\n", gradient.iter().map(number).collect::<Vec<_>>().join(" ")));
+        values.chain(gradients).collect()
     }
 
-    fn lines(&self, values: Option<&[f64]>) -> String {
-        let Some(wanted) = self.wanted(values) else { return "FAIL\n".into() };
-        wanted.iter().map(|(label, value)| format!("{value:24.16e} {label}\n")).collect()
-    }
-
-    fn object(&self, values: Option<&[f64]>) -> Value {
-        let Some(wanted) = self.wanted(values) else { return json!({ "fail": true }) };
-        let functions: Map<String, Value> =
-            wanted.into_iter().map(|(label, value)| (label.to_owned(), value.into())).collect();
-        json!({ "functions": functions })
+    fn object(&self) -> Value {
+        let values: Map<String, Value> =
+            self.values.iter().map(|(label, value)| ((*label).to_owned(), (*value).into())).collect();
+        let gradients: Map<String, Value> =
+            self.gradients.iter().map(|(label, gradient)| ((*label).to_owned(), gradient.to_vec().into())).collect();
+        if gradients.is_empty() {
+            json!({ "functions": values })
+        } else {
+            json!({ "functions": values, "gradients": gradients })
+        }
     }
 }
 
@@ -231,7 +290,11 @@ fn evaluation(pairs: &mut PairReader<'_>) -> Result<DakotaEvaluation, String> {
         let label = pair.tag.split_once(':').map_or(&*pair.tag, |tag| tag.1);
         responses.push(DakotaResponse { label: label.to_owned(), active_set });
     }
-    pairs.block(["derivative_variables", "DAKOTA_DER_VARS"])?;
+    let mut derivative_variables = Vec::new();
+    for pair in pairs.block(["derivative_variables", "DAKOTA_DER_VARS"])? {
+        let number = pair.value.parse().map_err(|_| format!("line {}: `{}` is not a number", pair.at, pair.value))?;
+        derivative_variables.push(number);
+    }
     pairs.block(["analysis_components", "DAKOTA_AN_COMPS"])?;
     // Versions before 6.16 write no metadata, the oldest no evaluation number either.
     let begins =
@@ -244,6 +307,7 @@ fn evaluation(pairs: &mut PairReader<'_>) -> Result<DakotaEvaluation, String> {
         responses,
         id,
         metadata: metadata.iter().map(|p| p.value.clone()).collect(),
+        derivative_variables,
     })
 }
 
@@ -276,7 +340,7 @@ mod tests {
 
     fn answer(request: &DakotaRequest) -> String {
         let values = vec![Ok(vec![0.1]), Err(StudyError::Reported("halted".into()))];
-        request.answer(&SweepResults { values, ..SweepResults::default() })
+        request.answer(&SweepResults { values, ..SweepResults::default() }, &[None, None])
     }
 
     #[test]
@@ -306,6 +370,24 @@ mod tests {
         assert_eq!(answer(&request), "#\n   1.0000000000000001e-1 depth\n#\nFAIL\n");
     }
 
+    /// Source: Dakota Reference Manual, "results_file": values, then gradients in brackets, in the order of the responses.
+    #[test]
+    fn gradients_follow_values() {
+        let text = standard("7", 3, 821.0)
+            .replace("1 derivative_variables\n   1 DVV_1:V", "2 derivative_variables\n 1 DVV_1:V\n 2 DVV_2:mu");
+        let request = read(&text, 1).expect("standard");
+        assert_eq!(request.gradient_names(), [Some(vec!["V".to_owned(), "mu".to_owned()])]);
+        let results = SweepResults { values: vec![Ok(vec![0.1])], ..SweepResults::default() };
+        let answered = request.answer(&results, &[Some(vec![vec![0.5, -2.0]])]);
+        let words: Vec<&str> = answered.split_whitespace().collect();
+        assert_eq!(
+            words,
+            ["1.0000000000000001e-1", "depth", "[", "5.0000000000000000e-1", "-2.0000000000000000e0", "]"]
+        );
+        assert_eq!(request.answer(&results, &[None]), "FAIL\n");
+        assert_eq!(read(&standard("7", 1, 821.0), 1).expect("standard").gradient_names(), [None]);
+    }
+
     #[test]
     fn unsupported_requests_are_errors() {
         let refused = |text: &str, quantities: usize, word: &str| {
@@ -314,7 +396,8 @@ mod tests {
         };
         let text = standard("7", 1, 821.0);
         refused(&text, 2, "2 times");
-        refused(&standard("7", 3, 821.0), 1, "derivatives");
+        refused(&standard("7", 5, 821.0), 1, "second derivatives");
+        refused(&standard("7", 3, 821.0).replace("1 DVV_1:V", "3 DVV_3:V"), 1, "by variable 3");
         refused(&text.replace("0 metadata", "1 metadata\n seconds MD_1"), 1, "metadata");
         refused("", 1, "empty");
         refused("[]", 1, "no evaluation");

@@ -1,10 +1,14 @@
 //! Evaluation of quantities for samples of deck parameters, for uncertainty quantification, optimisation and design: a
 //! table of inputs gives a table of outputs, bit-identical for any number of threads.
 
+mod derivatives;
+
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+
+pub use derivatives::{RELATIVE_ERROR, SampleDerivatives};
 
 use super::StudyError;
 use super::error::accepted;
@@ -19,10 +23,11 @@ use crate::model::revise::{self, RevisableNumber};
 use crate::model::{self, Model};
 use crate::output::RunHistory;
 use crate::plan::revise::{PlanReviser, RevisablePlan};
-use crate::plan::{self, CompiledModel, Plan, State, WriteSchedule};
+use crate::plan::{self, ColumnSource, CompiledModel, HistoryColumn, Plan, State, WriteSchedule};
 use crate::solve::{self, Instant, Progress, RunControl, RunEnd, Sink, SinkError, StagedShots};
 use crate::user::compile::Compiled;
 use crate::user::{Routines, thread_pool};
+use crate::variables::Variable;
 
 /// Source of a deck: a file or a text in memory.
 #[derive(Clone, Debug)]
@@ -71,6 +76,10 @@ pub struct SampleEvaluator {
     fixed: Vec<(String, String)>,
     names: Vec<String>,
     quantities: Vec<Quantity>,
+    /// Value of each parameter in the deck with the fixed values; `None` for text.
+    nominal: Vec<Option<f64>>,
+    /// Whether the model has deformable elements or free nodes.
+    deforms: bool,
     user: UserRoutines,
     /// Largest number of threads that one run can use.
     most_threads: usize,
@@ -129,6 +138,9 @@ impl SampleEvaluator {
             return Err(StudyError::Setting(format!("the deck defines no parameter {name}{hint}")));
         }
         quantity::check_all(&quantities, &prepared.plan)?;
+        let value = |name: &String| prepared.deck.parameters.iter().rev().find(|p| p.0 == *name).map(|p| p.1);
+        let nominal = names.iter().map(value).collect();
+        let deforms = !prepared.state.dofs.nodes.is_empty();
         let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
         let every_quantity = (0..quantities.len()).collect();
@@ -138,6 +150,8 @@ impl SampleEvaluator {
             fixed,
             names,
             quantities,
+            nominal,
+            deforms,
             user,
             most_threads,
             only_last_row: ends_alone,
@@ -179,6 +193,16 @@ impl SampleEvaluator {
     /// Returns the number of parameters of a sample.
     pub fn width(&self) -> usize {
         self.names.len()
+    }
+
+    /// Returns the value of each parameter in the deck with the fixed values; `None` for a text.
+    pub fn nominal_values(&self) -> &[Option<f64>] {
+        &self.nominal
+    }
+
+    /// Returns whether the model has deformable elements or free nodes.
+    pub fn deforms(&self) -> bool {
+        self.deforms
     }
 
     /// Evaluates all samples into `table`, one row per sample and one number per quantity, NaN if a sample fails. Rows
@@ -252,18 +276,38 @@ impl SampleEvaluator {
     /// Returns the parameter values of a sample as text, as on the command line.
     fn overrides(&self, sample: &[f64]) -> Vec<(String, String)> {
         let sampled = self.names.iter().zip(sample).map(|(name, value)| (name.clone(), format!("{value:?}")));
-        self.fixed.iter().cloned().chain(sampled).collect()
+        let fixed = self.fixed.iter().filter(|(name, _)| !self.names.contains(name));
+        fixed.cloned().chain(sampled).collect()
     }
 
     /// Removes frames and unused history rows from the output requests of a plan.
     fn reduce_output(&self, plan: &mut Plan) {
-        let only_last_row = self.only_last_row && !self.needs_rows(plan);
+        let only_last_row = self.only_last_row && !self.needs_rows(plan) && !self.uses_means(plan);
         for step in &mut plan.steps {
             step.outputs.field.clear();
             if only_last_row && !step.outputs.history.is_empty() {
                 step.outputs.history = vec![WriteSchedule::Time(f64::INFINITY)];
             }
         }
+    }
+
+    /// Returns whether a quantity uses means over the interval between rows: reactions and forces of contact pairs, also in
+    /// an expression of the deck.
+    fn uses_means(&self, plan: &Plan) -> bool {
+        let is_mean = |column: &HistoryColumn| {
+            let variable = column.part.map(|part| part.variable);
+            matches!(column.source, ColumnSource::Pair(_))
+                || matches!(variable, Some(Variable::Reaction | Variable::ReactionMoment))
+        };
+        let is_or_has_mean = |column: &HistoryColumn| match column.source {
+            ColumnSource::Expression(_) => plan.columns.iter().any(is_mean),
+            _ => is_mean(column),
+        };
+        let is_used = |name: &str| {
+            let mut columns = plan.columns.iter().filter(|column| column.name.eq_ignore_ascii_case(name));
+            columns.any(is_or_has_mean)
+        };
+        self.quantities.iter().flat_map(Quantity::columns).any(is_used)
     }
 
     /// Returns whether the end of shots is judged by the course of the residual velocity.
@@ -504,14 +548,24 @@ impl ReusablePlan {
         Some(ReusablePlan { template, places, model, routines, plan, state, reviser, staged, history, values, numbers })
     }
 
+    /// Changes the model to the values of a sample; returns whether this is possible.
+    fn revise_model(&mut self, sample: &[f64]) -> bool {
+        self.template.numbers(sample, &mut self.values, &mut self.numbers)
+            && self.places.iter().zip(&self.numbers).all(|(place, value)| revise::set(&mut self.model, *place, *value))
+    }
+
+    /// Changes a revisable plan without its stages to the values of a sample; returns whether this is possible.
+    fn revise_plan(&mut self, sample: &[f64]) -> bool {
+        let is_changed = self.revise_model(sample);
+        let reviser = self.reviser.as_mut().filter(|_| is_changed);
+        reviser.is_some_and(|r| r.revise(&self.model, &self.routines, &mut self.plan, &mut self.state))
+    }
+
     /// Changes the plan to the values of a sample; returns whether this is possible.
     fn revise(&mut self, evaluator: &SampleEvaluator, sample: &[f64]) -> bool {
-        let changed = self.template.numbers(sample, &mut self.values, &mut self.numbers)
-            && self.places.iter().zip(&self.numbers).all(|(place, value)| revise::set(&mut self.model, *place, *value));
-        let is_valid = match &mut self.reviser {
-            _ if !changed => false,
-            Some(reviser) => reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state),
-            None => self.compile(evaluator),
+        let is_valid = match self.reviser {
+            Some(_) => self.revise_plan(sample),
+            None => self.revise_model(sample) && self.compile(evaluator),
         };
         if is_valid && self.reviser.as_ref().is_none_or(PlanReviser::changes_forces) {
             self.staged = evaluator.staged(&self.plan, &self.state);

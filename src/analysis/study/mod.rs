@@ -41,6 +41,8 @@ pub mod richardson;
 pub mod runner;
 #[cfg(feature = "cli")]
 pub(crate) mod scatter;
+#[cfg(feature = "cli")]
+pub mod sensitivity;
 pub mod settings;
 pub mod shot;
 pub mod statistics;

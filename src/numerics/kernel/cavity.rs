@@ -21,6 +21,11 @@ impl CavityResistance {
         CavityResistance { c0: a * yield_stress, c1: b * (density * yield_stress).sqrt(), c2: c * density }
     }
 
+    /// Returns the resistance with all coefficients multiplied by a factor.
+    pub fn scaled(&self, factor: f64) -> CavityResistance {
+        CavityResistance { c0: factor * self.c0, c1: factor * self.c1, c2: factor * self.c2 }
+    }
+
     /// Returns the normal stress c0 + c1 v + c2 v² at a normal velocity v ≥ 0. Equation (2.2).
     #[inline]
     pub fn stress(&self, normal_velocity: f64) -> f64 {

@@ -13,6 +13,7 @@ pub mod conduction;
 pub mod corners;
 pub mod damage_envelope;
 pub mod disjoint_sets;
+pub mod dual;
 pub mod facet;
 pub mod free_surface;
 pub mod hardening;

@@ -236,6 +236,40 @@ class Deck:
             _revolve.uncertainty(self._deck, _settings(parameters), wanted, budget, random, count, _compiled(user))
         )
 
+    def sensitivity(
+        self,
+        of: str | Sequence[str],
+        to: str | Sequence[str],
+        *,
+        steps: Mapping[str, float] | None = None,
+        jitter: int | None = None,
+        threads: int | None = None,
+        user: User = None,
+        **parameters: Value,
+    ) -> dict[str, Any]:
+        """Differentiate the quantities ``of`` by the parameters ``to``, at their values in ``parameters`` or in the deck.
+
+        Rigid shots by stages have exact derivatives, other decks those of companion runs. ``steps`` gives the largest
+        changes of parameters in these runs, ``jitter`` the number of perturbed runs that measure the noise (default 8
+        with contact, failure, element deletion or new meshes, otherwise 0). The result has the keys of
+        ``<deck>_sensitivity.json``. A derivative that noise exceeds is ``None``, with a ``reason``.
+        """
+        wanted = [of] if isinstance(of, str) else list(of)
+        names = [to] if isinstance(to, str) else list(to)
+        changes = [(steps or {}).get(name) for name in names]
+        return json.loads(
+            _revolve.sensitivity(
+                self._deck,
+                _settings(parameters),
+                wanted,
+                names,
+                changes,
+                jitter,
+                _threads.resolved(threads),
+                _compiled(user),
+            )
+        )
+
     def limit(
         self,
         velocity: str,

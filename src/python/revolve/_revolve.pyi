@@ -39,6 +39,16 @@ def uncertainty(
     threads: int,
     user: User | None,
 ) -> str: ...
+def sensitivity(
+    deck: Deck,
+    settings: list[tuple[str, str]],
+    quantities: list[str],
+    parameters: list[str],
+    steps: list[float | None],
+    jitter: int | None,
+    threads: int,
+    user: User | None,
+) -> str: ...
 def limit(
     deck: Deck,
     settings: _Settings,

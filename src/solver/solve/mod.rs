@@ -29,6 +29,7 @@ mod restart;
 mod routines;
 mod run;
 mod run_state;
+mod shot_derivatives;
 mod staged_shots;
 mod timing;
 mod volumes;
@@ -58,6 +59,7 @@ pub use restart::{CheckpointInterval, END_OF_TRIAL, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};
 use run::SolverRun;
 use run_state::RunState;
+pub use shot_derivatives::{FinalRow, ShotInputs};
 pub use staged_shots::StagedShots;
 use watch::RunReport;
 

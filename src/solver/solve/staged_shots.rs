@@ -5,7 +5,7 @@ use std::any::Any;
 
 use super::observe::{Sink, output_failure};
 use super::outcome::{ImpactEnd, RunEnd};
-use crate::kernel::shot_stages::{PathMotion, ShotPath};
+use crate::kernel::shot_stages::{ForceStage, PathMotion, ShotPath};
 use crate::load::cavity::{AxialResistance, CavityExpansion, force_stages};
 use crate::load::{Load, PenetrationOutcome};
 use crate::model::{IncrementControl, LoadVelocity};
@@ -18,7 +18,7 @@ use crate::variables::Variable;
 pub struct StagedShots {
     paths: Vec<BodyPath>,
     /// Source of each history column; `None` for a column that only increments give.
-    sources: Vec<Option<FinalValue>>,
+    pub(super) sources: Vec<Option<FinalValue>>,
     /// Work arrays: motion at the end, and the row of the history.
     end: Dofs,
     row: Vec<f64>,
@@ -32,7 +32,7 @@ struct BodyPath {
 
 /// Value of a history column at the end of a run.
 #[derive(Clone, Copy)]
-enum FinalValue {
+pub(super) enum FinalValue {
     Displacement(usize),
     Velocity(usize),
     Acceleration(usize),
@@ -71,6 +71,11 @@ impl StagedShots {
     pub fn has_column(&self, name: &str, plan: &Plan) -> bool {
         let mut columns = plan.columns.iter().zip(&self.sources);
         columns.any(|(column, source)| column.name.eq_ignore_ascii_case(name) && source.is_some())
+    }
+
+    /// Returns the stages of a body in a direction, +1 or -1; `None` if they are those of the other direction.
+    pub(super) fn stages(&self, body: usize, direction: f64) -> Option<&[ForceStage]> {
+        self.paths.get(body).filter(|path| path.direction == direction).map(|path| path.path.stages())
     }
 
     /// Runs the shots from a state that differs from that of [`StagedShots::new`] in velocities only, and passes one row,
@@ -139,7 +144,7 @@ fn has_rigid_bodies_alone(plan: &Plan, start: &State) -> bool {
 }
 
 /// Returns the resistances of all loads; `None` if a load is not one of bodies along z in laterally unbounded layers.
-fn resistances(start: &State) -> Option<Vec<AxialResistance<'_>>> {
+pub(super) fn resistances(start: &State) -> Option<Vec<AxialResistance<'_>>> {
     let mut resistances = Vec::new();
     for load in &start.loads {
         let load: &dyn Load = &**load;

@@ -39,7 +39,7 @@ use oblique::ObliqueResistance;
 pub use oblique::StackTilt;
 use skin::SkinResistance;
 pub use stack::LayerStack;
-pub use stages::{AxialResistance, force_stages};
+pub use stages::{AxialResistance, ResistanceConstants, force_stage_slopes, force_stages};
 
 /// Resistance of one stack of layers on a surface.
 #[derive(Clone, Debug, Persist)]

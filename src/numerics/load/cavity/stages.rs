@@ -9,6 +9,15 @@ use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shot_stages::ForceStage;
 
+/// Numbers of a resistance on which the force depends linearly, or their derivatives by a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResistanceConstants {
+    /// Resistance of each layer, ascending along z.
+    pub laws: Vec<CavityResistance>,
+    /// Coulomb coefficient.
+    pub friction: f64,
+}
+
 /// Resistance of a stack of laterally unbounded layers on a rigid body that moves along z.
 #[derive(Clone, Copy)]
 pub struct AxialResistance<'a> {
@@ -26,6 +35,16 @@ impl AxialResistance<'_> {
     /// Returns the Coulomb coefficient.
     pub fn friction(&self) -> f64 {
         self.friction
+    }
+
+    /// Returns the laws and the friction.
+    pub fn constants(&self) -> ResistanceConstants {
+        ResistanceConstants { laws: self.stack.laws.clone(), friction: self.friction }
+    }
+
+    /// Returns the planes between the layers, ascending along z.
+    pub fn planes(&self) -> &[f64] {
+        &self.stack.planes
     }
 
     /// Returns whether no term of the resistance can push the body.
@@ -135,6 +154,36 @@ pub fn force_stages(resistances: &[AxialResistance<'_>], direction: f64) -> Vec<
     events.dedup_by(|next, previous| *next - *previous <= rounding);
     let ends = events.iter().skip(1).copied().chain([f64::INFINITY]);
     events.iter().zip(ends).map(|(start, end)| stage_between(resistances, direction, [*start, end])).collect()
+}
+
+/// Returns the derivatives of the forces of [`force_stages`] by a parameter; the lengths of the stages do not depend on it.
+/// `slopes` are the derivatives of the constants of each resistance. The force is linear in the laws for a given friction,
+/// and linear in the friction. Equation (2.18).
+pub fn force_stage_slopes(
+    resistances: &[AxialResistance<'_>],
+    slopes: &[ResistanceConstants],
+    direction: f64,
+) -> Vec<ForceStage> {
+    let with_laws = |resistance: &AxialResistance<'_>, laws: Vec<CavityResistance>| LayerStack {
+        planes: resistance.stack.planes.clone(),
+        laws,
+        numbers: resistance.stack.numbers.clone(),
+        bounds: None,
+    };
+    let mut stacks = Vec::new();
+    for (resistance, slope) in resistances.iter().zip(slopes) {
+        stacks.push((resistance.nose, with_laws(resistance, slope.laws.clone()), resistance.friction));
+        // The difference between friction coefficients of 1 and 0.
+        for (factor, friction) in [(slope.friction, 1.0), (-slope.friction, 0.0)] {
+            if factor != 0.0 {
+                let scaled = resistance.stack.laws.iter().map(|law| law.scaled(factor)).collect();
+                stacks.push((resistance.nose, with_laws(resistance, scaled), friction));
+            }
+        }
+    }
+    let terms: Vec<AxialResistance<'_>> =
+        stacks.iter().map(|(nose, stack, friction)| AxialResistance { nose, stack, friction: *friction }).collect();
+    force_stages(&terms, direction)
 }
 
 /// Returns the stage between two events. Equation (2.18).
