@@ -292,3 +292,21 @@ fn invalid_mass_scaling_is_an_error() {
     fails(&ideal, "P022");
     fails(&("*Fixed Mass Scaling, factor=2.\n".to_owned() + &body_with("")), "M105");
 }
+
+/// The mass of deleted elements is that without scaling: the ring of one element, pi r² h rho, to rounding. A part has it, too.
+#[test]
+fn eroded_mass_contains_no_scaled_mass() {
+    let text = grid(1, 3, false, |i, j| [i as f64, j as f64])
+        + &material(100.0, 0.3, 2.0, "")
+        + "*Elset, elset=MIDDLE\n 2,\n*Nset, nset=PULLED, generate\n 7, 8, 1\n*Nset, nset=HELD, generate\n 1, 2, 1\n\
+           *Erosion, elset=MIDDLE, principal strain=0.05\n*Step\n*Dynamic, Explicit\n , 3.\n\
+           *Fixed Mass Scaling, factor=9.\n*Boundary\n HELD, 2, 2\n*Boundary, type=VELOCITY\n PULLED, 2, 2, 0.1\n\
+           *Output, history, number interval=10\n*Energy Output\n EROMASS\n*Energy Output, elset=SOLID\n PARTERO\n\
+           *End Step\n";
+    let (outcome, memory) = run(&text);
+    assert_eq!(outcome.deleted, 1);
+    for name in ["EROMASS", "PARTERO@SOLID"] {
+        let mass = last(&text, &memory, name);
+        assert!((mass / (2.0 * PI) - 1.0).abs() < 1e-12, "{name} {mass}");
+    }
+}

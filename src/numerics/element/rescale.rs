@@ -128,6 +128,7 @@ impl Elements {
             (masses.fixed[group][e], masses.factors[group][e], masses.applied[group][e]) = (*fixed, *all, *all);
             own_group.set_masses(e, &masses.scaled(group, e, *all));
         }
+        arrived.points.iter().for_each(|(n, mass)| masses.nodes[*n] += mass);
     }
 
     /// Scales the masses if due, before the forces of this instant are computed. Calls `changed` for every node whose

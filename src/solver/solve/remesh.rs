@@ -22,7 +22,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::kernel::shape::middle;
 use crate::model::Model;
-use crate::model::remesh::{ModelBody, kept_nodes_of_histories, movable_nodes_of_histories, revised};
+use crate::model::remesh::{ModelBody, movable_nodes_of_histories, required_nodes, revised};
 use crate::plan::{self, CompiledModel, Plan, RemeshPlan, State};
 use crate::remesh::interpolation::{TracerPoint, interpolated, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
@@ -315,7 +315,7 @@ fn body_revision(
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
-    if kept_nodes_of_histories(model).any(is_lost) {
+    if required_nodes(model).any(is_lost) {
         return None;
     }
     let strain = |i: usize| {
@@ -335,7 +335,16 @@ fn body_revision(
     let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes.displacement(*n)).collect();
     new.displacements = interpolated(&old, &moved, &new.mesh.points);
     new.tracers = tracers(run, model, (&of_model, &old), &new);
+    new.places = if model.constraints.ties.is_empty() { Vec::new() } else { node_places(run, model) };
     Some(BodyRevision { old, living, left_out, revision: new })
+}
+
+/// Returns the places of all nodes of the model.
+fn node_places(run: &RunState<'_>, model: &Model) -> Vec<[f64; 2]> {
+    let place = |(node, start): (usize, &[f64; 2])| {
+        run.plan.places.nodes.get(&node).map_or(*start, |n| run.state.dofs.nodes[*n].place())
+    };
+    model.mesh.points.iter().enumerate().map(place).collect()
 }
 
 /// Returns the mass of an element without mass scaling.

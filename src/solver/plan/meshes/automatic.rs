@@ -6,7 +6,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
 use crate::model::{AnalyticalFront, AnalyticalSide, Model, Remeshing, SideSelection, SolidSection};
-use crate::plan::meshes::remesh::{RemeshPlan, remeshed_body, unsupported_remeshing};
+use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, remeshed_body, unsupported_remeshing};
 
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
@@ -105,6 +105,7 @@ impl AutomaticMeshes {
         let mut model = (*self.model).clone();
         model.remeshings = self.bodies.iter().map(|body| card_of(&self.model, body.section)).collect();
         model.surfaces.fronts = Some(self.fronts.clone());
+        fix_tied_nodes(&mut model);
         model
     }
 
