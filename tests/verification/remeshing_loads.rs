@@ -43,8 +43,7 @@ fn cylinder(remesh: &str, cards: &str, time: f64, in_step: &str) -> String {
 /// Returns runs without and with new meshes.
 fn both(cards: &str, time: f64, in_step: &str, routines: &Routines) -> [DeckRun; 2] {
     let eager = format!("*Remesh, elset=SOLID, frequency=100, {EAGER}\n");
-    ["*Remesh, automatic=NO\n", &eager]
-        .map(|card| run_with(&cylinder(card, cards, time, in_step), routines).whole())
+    ["*Remesh, automatic=NO\n", &eager].map(|card| run_with(&cylinder(card, cards, time, in_step), routines).whole())
 }
 
 fn last(ran: &DeckRun, name: &str) -> f64 {
@@ -96,7 +95,11 @@ fn concentrated_forces_continue() {
     let exact = cylinder_mass() * SPEED + (GRID[0] + 1) as f64 * force * time;
     // Velocities are those of half an increment before.
     let momentum = mean_momentum(&moved) / exact - 1.0;
-    println!("{} meshes: momentum {momentum:.1e}, drift {:.1e}", new_meshes(&moved.outcome), moved.outcome.energy.drift);
+    println!(
+        "{} meshes: momentum {momentum:.1e}, drift {:.1e}",
+        new_meshes(&moved.outcome),
+        moved.outcome.energy.drift
+    );
     assert!(new_meshes(&moved.outcome) >= 3 && moved.outcome.energy.drift < 1e-3);
     assert!(momentum.abs() < 1e-9, "{momentum:e}");
 }

@@ -36,7 +36,7 @@ pub use changes::StepChanges;
 pub use checks::plausibility::unit_warning;
 pub use compiled::{GeneralLedgerRows, MeshCards, Plan, StepPlan};
 pub(crate) use constraints::link_set::Links;
-pub use meshes::automatic::AutomaticMeshes;
+pub use meshes::automatic::{AutomaticMeshes, FirstMesh};
 pub use meshes::labels::FrameLabels;
 pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};

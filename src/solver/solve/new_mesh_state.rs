@@ -22,7 +22,9 @@ use crate::remesh::balanced_parts::balanced_parts;
 use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer};
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
+use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive};
+use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Node;
 
 /// A body with its old mesh, of the elements that are neither deleted nor left out, and its new one.
@@ -40,6 +42,7 @@ pub(super) struct ReplacedMesh<'a> {
 /// Takes the state of the run with the old mesh.
 pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: ReplacedMesh<'_>) {
     run.body_forces.values.clone_from(&old.body_forces.values);
+    let now = run.now;
     let (Some(remesh), old_remesh) = (&run.plan.remesh, mesh.old_plan) else { return };
     let mut change = MeshChange {
         plan: run.plan,
@@ -54,6 +57,7 @@ pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: Re
     change.take_over_amplitudes();
     let places = change.take_over_nodes(&old_remesh.model);
     change.take_over_groups();
+    change.give_fields(now);
     change.state.dofs.energies = change.old.dofs.energies;
     change.move_body(places);
     change.state.elements.wake();
@@ -94,6 +98,12 @@ impl MeshChange<'_> {
         self.state.user_amplitudes.clone_from(&self.old.user_amplitudes);
         let pairs = self.state.amplitude_routines.iter_mut().zip(&mut self.old.amplitude_routines);
         pairs.for_each(|(amplitude, previous)| copy_state(previous, amplitude));
+    }
+
+    /// Sets prescribed temperatures and field variables of elements at this instant.
+    fn give_fields(&mut self, now: Instant) {
+        let State { elements, user_amplitudes, .. } = &mut *self.state;
+        elements.give_fields(&AmplitudeClock { now, user_amplitudes });
     }
 
     /// Takes the state of other element groups, and of adaptive domains.
@@ -208,7 +218,8 @@ impl MeshChange<'_> {
         let ThermalState { heat: old_heat, expansion: old_expansion } = &mut **old_thermal;
         if let (Some(heat), Some(old_heat)) = (&mut thermal.heat, &*old_heat) {
             heat.follow_new_mesh(old_heat, |n| places[n].and_then(|place| place.node()));
-            heat.take_masses(group, &*self.state.elements.groups[group]);
+            let elements = &*self.state.elements.groups[group];
+            heat.take_masses(group, |e| elements.masses(e));
             if heat.conducts(group) {
                 let of_nodes = BodyMotion { masses: old_masses.clone(), velocities: Vec::new() };
                 let node_masses = of_nodes.node_masses(transfer.old_mesh());

@@ -330,7 +330,8 @@ impl PointBlock {
             }
             SurfaceMap::Elements { corners, .. } => {
                 for (i, &element) in corners.iter().enumerate() {
-                    let [place, start] = [corner_mean(element, |n| nodes[n].place()), corner_mean(element, |n| nodes.start[n])];
+                    let [place, start] =
+                        [corner_mean(element, |n| nodes[n].place()), corner_mean(element, |n| nodes.start[n])];
                     let velocity = corner_mean(element, |n| scene.velocity(n));
                     view.set_point(i, place, start, velocity, corner_mean(element, |n| nodes.acceleration[n]));
                 }

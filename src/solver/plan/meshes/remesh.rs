@@ -9,7 +9,9 @@ use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, single
 use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
 use crate::plan::constraints::surface_ties::find_attached_nodes;
 use crate::plan::contact::cohesion::cohesive_behaviors;
+use crate::plan::heat::fields::has_uniform_fields;
 use crate::plan::meshes::pieces::parts_in_contact;
+use crate::plan::solids::mass_scaling::scales_equation_of_state;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
@@ -160,9 +162,17 @@ pub(super) fn unsupported_remeshing(
         let message = format!("the material of `{name}` has no equivalent plastic strain (PEEQ)");
         return Some((message, "remove STRAIN CHANGE, or use a material with plasticity"));
     }
+    if scales_equation_of_state(scene.model, &card.elements) {
+        let message = format!("the mass of `{name}`, whose material has *EOS, is scaled");
+        return Some((message, "give the mass scaling an ELSET without this body"));
+    }
     if is_shared(scene.model, body, &card.elements) {
         let message = format!("elements outside `{name}` use nodes of its elements");
         return Some((message, "separate the bodies, with contact between them"));
+    }
+    if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &body.nodes) {
+        let message = format!("prescribed temperatures or field variables differ between the nodes of `{name}`");
+        return Some((message, "prescribe one value for all nodes of the body"));
     }
     let mesh = BodyMesh { quads: body.quads.clone(), ..BodyMesh::default() };
     let boundaries = loops(&mesh);
@@ -180,10 +190,12 @@ pub(super) fn unsupported_remeshing(
             "a spring, dashpot, point mass, equation, coupling or concentrated load acts on a node inside `{name}`, which a new \
              mesh does not keep"
         );
-        return Some((message, "attach it to a node on the boundary of the body, or use *BOUNDARY, pressures or body forces"));
+        return Some((
+            message,
+            "attach it to a node on the boundary of the body, or use *BOUNDARY, pressures or body forces",
+        ));
     }
-    let exclusion =
-        excluded_by_model(scene, pairs, state, report).or_else(|| excluded_by_nodes(scene, body, &used));
+    let exclusion = excluded_by_model(scene, pairs, state, report).or_else(|| excluded_by_nodes(scene, body, &used));
     exclusion.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
 }
 
@@ -193,13 +205,10 @@ fn excluded_by_model(scene: Scene, pairs: &Pairs, state: &State, report: &Report
     let loads = || model.steps.iter().flat_map(|step| &step.loads);
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
-    let scales = model.scales_masses();
     let exclusions = [
         (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDISP and VUCHARLENGTH"),
-        (heats && scales, "mass scaling together with nodal temperatures"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
         (elements.rings.is_some(), "WEIGHTING=AREA"),
-        (elements.fields.is_some(), "prescribed temperatures or field variables"),
         (!model.cohesive_sections.is_empty(), "cohesive elements"),
         (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
         (heats && !model.constraints.ties.is_empty(), "*TIE together with nodal temperatures"),
@@ -239,10 +248,7 @@ fn excluded_by_nodes(scene: Scene, body: &ModelBody, used: &dyn Fn(usize) -> Opt
     let exclusions = [
         (nodes_of_histories.any(|node| is_used(*node)), "histories of single elements of the body"),
         (body.nodes.iter().any(|node| scene.bodies.of_node.contains_key(node)), "rigid bodies at nodes of the body"),
-        (
-            model.constraints.equations.iter().any(|equation| equation.is_thermal()),
-            "*EQUATION between temperatures",
-        ),
+        (model.constraints.equations.iter().any(|equation| equation.is_thermal()), "*EQUATION between temperatures"),
     ];
     exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
 }
