@@ -49,7 +49,12 @@ pub struct DeckRun {
 
 /// Runs a deck to its end.
 pub fn run(deck: &str) -> DeckRun {
-    let prepared = prepared(deck, &[], &Routines::none());
+    run_with(deck, &Routines::none())
+}
+
+/// Runs a deck with user subroutines to its end.
+pub fn run_with(deck: &str, routines: &Routines) -> DeckRun {
+    let prepared = prepared(deck, &[], routines);
     let mut memory = RecordedOutput::default();
     let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     DeckRun { prepared, outcome, memory, state }

@@ -320,3 +320,34 @@ fn partly_scaled_meshes_conserve_mass_and_momentum() {
     }
     assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
 }
+
+/// A billet of aluminium whose ends stick to the dies, pressed to a quarter of its height: at the end of the held face the free
+/// side folds, and no motion of nodes gives a valid mesh there. `cards` are in the model, `in_step` in the step.
+fn sticking_billet([n, m]: [usize; 2], cards: &str, in_step: &str) -> (Outcome, HistorySummary) {
+    let deck = grid(n, m, false, |i, j| [8.5 * i as f64 / n as f64, 13.5 * j as f64 / m as f64])
+        + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.7e-9,\n*Elastic\n 7.e4, .33\n*Plastic\n 150., 0.\n \
+           200., .5\n 220., 2.\n*Amplitude, name=UP, definition=SMOOTH STEP\n 0., 0., 1e-3, 1.\n"
+        + cards
+        + "*Step\n*Dynamic, Explicit\n , 1e-3\n*Boundary\n J0, 1, 2\n J1, 1, 1\n*Boundary, amplitude=UP\n J1, 2, 2, -10.125\n"
+        + in_step
+        + "*Output, history, number interval=20\n*Energy Output\n ALLWK\n*End Step\n";
+    run(&deck, &[])
+}
+
+/// Where an adaptive mesh folds, the body has a new mesh and the run completes, with the work of `*REMESH` within 2 %. The mesh is
+/// valid at the end, with angles above 10 degrees.
+#[test]
+fn folded_adaptive_meshes_are_replaced() {
+    let size = [18, 26];
+    let (_, remeshed) = sticking_billet(size, "*Remesh, elset=SOLID, angle=25., frequency=20\n", "");
+    for in_step in ["*Adaptive Mesh, elset=SOLID\n", "*Adaptive Mesh, elset=SOLID, frequency=2\n"] {
+        let (outcome, history) = sticking_billet(size, "", in_step);
+        let work = history.0["ALLWK"].last / remeshed.0["ALLWK"].last - 1.0;
+        let shape = outcome.mesh_shape.expect("a mesh");
+        println!("{}: work {:.2} % apart, {shape:?}, drift {:.1e}", in_step.trim(), 100.0 * work, outcome.energy.drift);
+        assert_eq!(outcome.halt, None);
+        assert!(outcome.warnings.iter().any(|warning| warning.contains("adaptive mesh of material M has turned over")));
+        assert!(work.abs() < 2e-2 && shape.turned_corners == 0 && shape.smallest_angle > 10.0, "{work} {shape:?}");
+        assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
+    }
+}

@@ -59,6 +59,7 @@ mod relisting;
 mod remeshing;
 mod remeshing_contact;
 mod remeshing_effects;
+mod remeshing_loads;
 mod resistance;
 mod rigid;
 mod rigid_wall;

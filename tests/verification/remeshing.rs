@@ -196,7 +196,10 @@ fn unsupported_bodies_are_refused() {
     let section = "*Solid Section, elset=BAR, material=COPPER";
     let with_part = format!("*Elset, elset=PART, generate\n 1, 10\n{section}");
     for (deck, words) in [
-        (taylor(OFTEN).replacen("*Boundary\n", "*Cload\n TIP, 2, 1.\n*Boundary\n", 1), "*CLOAD"),
+        (
+            taylor(OFTEN).replacen("*Boundary\n", "*Cload\n BAR, 2, 1.\n*Boundary\n", 1),
+            "concentrated load acts on a node inside",
+        ),
         (taylor(&OFTEN.replace("BAR", "PART")).replacen(section, &with_part, 1), "all elements of one"),
         (taylor(OFTEN).replacen("nset=TIP\n U2, COOR2", "nset=BAR\n RF2", 1), "a node inside"),
     ] {

@@ -56,11 +56,16 @@ fn in_step(deck: &str, cards: &str) -> String {
 }
 
 /// A bar that plastic work heats, with conduction and thermal expansion. The heat in the nodes is that which has been made,
-/// to 1e-12; to 1e-7 with a variable specific heat, which is evaluated at the middle of each rise. Length and foot agree within 1 %, and the heat within 1 %, as for a bar without temperatures.
+/// to 1e-12; to 1e-7 with a variable specific heat, which is evaluated at the middle of each rise. Scaled masses take no heat.
+/// Length and foot agree within 1 %, and the heat within 1 %, as for a bar without temperatures.
 #[test]
 fn heat_is_conserved() {
-    for (capacity, tolerance) in [("385.\n", 1e-12), ("385., 20.\n 800., 400.\n", 1e-7)] {
+    let scaled = "*Fixed Mass Scaling, type=BELOW MIN, dt=6.e-8\n";
+    for (capacity, tolerance, cards) in
+        [("385.\n", 1e-12, ""), ("385., 20.\n 800., 400.\n", 1e-7, ""), ("385.\n", 1e-12, scaled)]
+    {
         let [follows, ran] = both(|deck| {
+            let deck = in_step(&deck, cards);
             deck.replace("type=CAX4R", "type=CAX4RT")
                 .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
                 .replace(
@@ -261,4 +266,38 @@ fn damping_and_springs_continue() {
     let exact = 3.0 * (80e-6 * 1e7_f64.sqrt()).cos();
     println!("{} new meshes, {speed} {same} {exact} m/s", new_meshes(&moved.outcome));
     assert!((speed / exact - 1.0).abs() < 1e-6 && moved.outcome.energy.drift < 1e-3, "{speed} {exact}");
+}
+
+/// A free bar that `*TEMPERATURE` heats as a whole has the logarithmic strain `alpha (T - T0)` without stress, with new meshes and
+/// with an adaptive mesh, to 1e-5 of its length (it vibrates): the thermal strain is applied once.
+#[test]
+fn prescribed_temperatures_continue() {
+    let deck = |cards: &str, in_step: &str| {
+        let places = |i: usize, j: usize| {
+            let inside = (1..4).contains(&i) && (1..8).contains(&j);
+            [0.25 * i as f64 + if inside && j % 2 == 1 { 0.15 } else { 0.0 }, 0.25 * j as f64]
+        };
+        crate::common::solid::grid(4, 8, false, places)
+            + "*Nset, nset=TIP\n 45,\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7.85e-9,\n*Elastic\n \
+               200e3, .3\n*Expansion, zero=20.\n 2e-5,\n*Amplitude, name=A, definition=SMOOTH STEP\n 0., 20., 2e-5, 420., 4e-5, \
+               420.\n*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n"
+            + cards
+            + "*Step\n*Dynamic, Explicit\n , 4e-5\n*Temperature, amplitude=A\n ALL, 1.\n"
+            + in_step
+            + "*Output, history, number interval=20\n*Node Output, nset=TIP\n U1, U2\n*Node Output, nset=J0\n U2\n*End Step\n"
+    };
+    let ways = [
+        ("*Remesh, automatic=NO\n", ""),
+        ("*Remesh, elset=SOLID, angle=59., frequency=20\n", ""),
+        ("*Remesh, automatic=NO\n", "*Adaptive Mesh, elset=SOLID, frequency=5\n"),
+    ];
+    for (cards, in_step) in ways {
+        let ran = run_deck(&deck(cards, in_step)).whole();
+        let strain = f64::exp_m1(2e-5 * 400.0);
+        let grown = [last(&ran, "U1@TIP"), (last(&ran, "U2@TIP") - last(&ran, "U2@5")) / 2.0].map(|u| u - strain);
+        let changes: u64 = ran.outcome.mesh_changes.iter().map(|changes| changes.count).sum();
+        println!("{} meshes, {changes} changes: {grown:?}", new_meshes(&ran.outcome));
+        assert!(grown.iter().all(|apart| apart.abs() < 1e-5), "{grown:?}");
+        assert!(new_meshes(&ran.outcome) + changes > 0 || !cards.contains("elset") && in_step.is_empty());
+    }
 }

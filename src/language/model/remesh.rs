@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::name::NewLabels;
 use super::types::{
     ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, LoadRegionMut, MemberSet, Mesh, Model,
-    NodeSetId, OutputKind, OutputRegion, OutputRequest, SideSelection, Step, SurfaceTraction,
+    NodeConstraints, NodeSetId, OutputKind, OutputRegion, OutputRequest, SideSelection, Step, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
@@ -103,7 +103,7 @@ impl ModelBody {
             MemberList::Faces(list) => keep_ends(&|edge| list.contains(&face(edge)), &|_| false),
             MemberList::Elements(_) => {}
         });
-        single.extend(kept_nodes_of_histories(model).filter_map(|node| self.position(node)));
+        single.extend(required_nodes(model).filter_map(|node| self.position(node)));
         single.into_iter().for_each(|at| is_kept[at as usize] = true);
         is_kept
     }
@@ -132,6 +132,26 @@ fn is_of_points(request: &OutputRequest) -> bool {
 pub fn kept_nodes_of_histories(model: &Model) -> impl Iterator<Item = usize> {
     let kept = histories_of_nodes(model).filter(|(request, _)| !is_of_points(request));
     kept.flat_map(|(_, id)| model.node_sets[id].members.iter().copied())
+}
+
+/// Returns the nodes that a new mesh must keep one by one: those of histories that show single nodes, and [`single_nodes`].
+pub fn required_nodes(model: &Model) -> impl Iterator<Item = usize> {
+    kept_nodes_of_histories(model).chain(single_nodes(model))
+}
+
+/// Returns the nodes of springs, dashpots, point masses, equations and links, and those with concentrated loads.
+pub fn single_nodes(model: &Model) -> impl Iterator<Item = usize> {
+    let NodeConstraints { equations, links, .. } = &model.constraints;
+    let terms = equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
+    let linked = links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
+    let connectors = model.discrete.connectors.iter().flat_map(|property| &property.elements);
+    let ends = connectors.flat_map(|e| model.mesh.elements[*e].nodes.iter().copied());
+    let loads = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
+        LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => Some(nodes),
+        _ => None,
+    });
+    let masses = model.discrete.masses.iter().map(|mass| mass.node);
+    ends.chain(masses).chain(loads.flatten().copied()).chain(terms).chain(linked)
 }
 
 /// Returns the nodes of histories that [points](TracerPoint) between nodes can replace, in ascending order.
@@ -169,8 +189,20 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
     // Nodes of a condition without a node in the new mesh would be taken for those of a rigid body.
     new.initial_conditions.retain(|condition| !condition.members.is_empty());
     new.output.tracers = relation.tracers(model, revision);
+    new.constraints.tie_places = relation.places(&body, revision);
     keep_history_nodes(&mut new, model, &relation);
     new
+}
+
+/// Returns the model with all nodes where they are at the last new mesh, to find the nodes of ties; `None` without a new mesh.
+pub fn placed_for_ties(model: &Model) -> Option<Model> {
+    let places = &model.constraints.tie_places;
+    if places.is_empty() {
+        return None;
+    }
+    let mut placed = model.clone();
+    places.iter().enumerate().for_each(|(node, place)| placed.mesh.points[node] = *place);
+    Some(placed)
 }
 
 /// Returns the face of a side of an element; the third side of a triangle is that from its last corner, its fourth one.
@@ -237,6 +269,18 @@ impl MeshRelation {
         let after_mesh = first_node + revision.mesh.points.len();
         (after_mesh..).zip(replaced_nodes(body, revision)).for_each(|(new, point)| nodes[point.node] = new);
         MeshRelation { nodes, elements, first_node, first_element }
+    }
+
+    /// Returns the places of all nodes in the new model; empty if the revision has none.
+    fn places(&self, body: &ModelBody, revision: &MeshRevision) -> Vec<[f64; 2]> {
+        if revision.places.is_empty() {
+            return Vec::new();
+        }
+        let others = (0..revision.places.len()).filter(|node| body.position(*node).is_none());
+        let mut places: Vec<[f64; 2]> = others.map(|node| revision.places[node]).collect();
+        places.extend(&revision.mesh.points);
+        places.extend(replaced_nodes(body, revision).map(|point| point.start));
+        places
     }
 
     fn node(&self, node: usize) -> usize {
@@ -425,7 +469,8 @@ fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<
 
 fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
     match kind.region_mut() {
-        LoadRegionMut::Nodes(nodes) => visit(MemberList::Nodes(nodes)),
+        // Each node has the whole load: new nodes between two of them have none.
+        LoadRegionMut::Nodes(nodes) => nodes.iter_mut().for_each(|node| visit(MemberList::Node(node))),
         LoadRegionMut::Elements(elements) => visit(MemberList::Elements(elements)),
         LoadRegionMut::Sides(sides) => visit_sides(sides, visit),
         LoadRegionMut::Whole => {}
@@ -435,8 +480,12 @@ fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
     }
 }
 
-/// Returns whether a body has a node that elements outside it use.
+/// Returns whether a body has a node that elements outside it use; point masses, springs and dashpots may.
 pub fn is_shared(model: &Model, body: &ModelBody, elements: &[usize]) -> bool {
-    let others = (0..model.mesh.elements.len()).filter(|e| elements.binary_search(e).is_err());
+    let is_discrete = |e: usize| {
+        let kind = model.mesh.elements[e].kind;
+        kind.is_connector() || kind == ElementKind::Mass
+    };
+    let others = (0..model.mesh.elements.len()).filter(|e| elements.binary_search(e).is_err() && !is_discrete(*e));
     others.flat_map(|e| model.mesh.elements[e].nodes.iter()).any(|node| body.position(*node).is_some())
 }

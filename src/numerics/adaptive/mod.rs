@@ -320,7 +320,7 @@ impl AdaptiveDomain {
         dofs.energies.advection += kinetic_before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &mut field) {
-            field.take_masses(self.group, &*elements.groups[self.group]);
+            field.take_masses(self.group, |e| elements.unscaled_masses(self.group, e));
             temperatures.write((&self.topology, &self.active), field);
         }
     }

@@ -28,6 +28,20 @@ impl EquationConstraint {
         EquationConstraint { id, bonds, has_new_masses: true }
     }
 
+    /// Projects velocities at the first instant of a new mesh onto the equations. The impulses between the nodes conserve
+    /// momentum.
+    pub fn project_velocities(&mut self, dofs: &mut Dofs) {
+        self.update_masses(dofs);
+        self.hold_velocities(dofs, 0.0, 0.0);
+    }
+
+    fn update_masses(&mut self, dofs: &Dofs) {
+        if std::mem::take(&mut self.has_new_masses) {
+            let mass = &dofs.nodes.mass;
+            self.bonds.systems.iter_mut().for_each(|system| system.update_masses(|n| mass[n]));
+        }
+    }
+
     fn hold_velocities(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
         self.bonds.systems.iter_mut().for_each(|s| s.hold_velocities(dofs, dt, half));
         self.bonds.followers.iter().for_each(|f| f.follow_velocity(dofs, dt, half));
@@ -49,10 +63,7 @@ impl Constraint for EquationConstraint {
     /// Corrects accelerations. The kinetic energy needs no correction: velocities satisfy the equations, so that the
     /// constraint forces do no work.
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
-        if std::mem::take(&mut self.has_new_masses) {
-            let mass = &dofs.nodes.mass;
-            self.bonds.systems.iter_mut().for_each(|system| system.update_masses(|n| mass[n]));
-        }
+        self.update_masses(dofs);
         self.bonds.followers.iter_mut().for_each(|f| f.transfer_load(dofs));
         for system in &mut self.bonds.systems {
             let acceleration = &dofs.nodes.acceleration;

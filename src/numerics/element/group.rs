@@ -57,6 +57,8 @@ pub struct GroupProperties {
     /// Whether the pressure follows from density, energy or the total deformation, so that no initial stress can be
     /// prescribed.
     pub holds_pressure: bool,
+    /// Whether the pressure follows from density and specific energy.
+    pub equation_of_state: bool,
     /// Number of field variables that elements store.
     pub fields: usize,
     /// Whether corner forces may be stored for a part of the elements only.
@@ -133,6 +135,8 @@ pub enum GroupSetting {
     Records,
     /// The stable time increments of elements are stored; mass scaling finds the current stiffness of rubber from them.
     StableRates,
+    /// The memory for factors of mass scaling is allocated, where the density of a law is that without scaling.
+    MassScales,
     /// The memory that [`ElementGroup::erode`] needs is allocated.
     Deletion,
     /// Bound of the highest frequency of the whole model, radians per time; infinite if unknown.

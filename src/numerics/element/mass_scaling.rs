@@ -90,6 +90,8 @@ pub struct ArrivedScaling {
     pub masses: Vec<[f64; 4]>,
     /// Factor of fixed requests, and product of all factors.
     pub factors: Vec<[f64; 2]>,
+    /// Nodes with point masses, which are not scaled.
+    pub points: Vec<(usize, f64)>,
 }
 
 /// Masses without scaling, and the factors on them. All lists are allocated here, so that nothing allocates inside an

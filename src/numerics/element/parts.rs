@@ -15,18 +15,18 @@ pub struct PartTotals {
     pub kinetic: f64,
     /// Internal energy, with the work of hourglass control.
     pub internal: f64,
-    /// Mass of the deleted elements.
+    /// Mass of the deleted elements, without mass scaling.
     pub eroded: f64,
 }
 
 impl Elements {
     /// Adds an element, by group and index, with velocities at the current instant as in the total energies. A node
     /// contributes the part of its mass that belongs to the element.
-    pub fn add_to_part(&self, totals: &mut PartTotals, (group, element): (usize, usize), nodes: &Nodes) {
-        let group = &self.groups[group];
+    pub fn add_to_part(&self, totals: &mut PartTotals, (index, element): (usize, usize), nodes: &Nodes) {
+        let group = &self.groups[index];
         let value = |variable: Variable| group.value(element, variable.into()).unwrap_or(0.0);
         if group.is_deleted(element) {
-            totals.eroded += value(Variable::Mass);
+            totals.eroded += value(Variable::Mass) / self.mass_factor(index, element).unwrap_or(1.0);
             return;
         }
         let (dt, boundary) = (nodes.previous_dt, group.topology().boundary());

@@ -12,7 +12,7 @@ use crate::variables::Variable;
 /// Mass and energies of the deleted elements and free nodes at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DeletionTotals {
-    /// Mass of deleted elements.
+    /// Mass of deleted elements, without mass scaling.
     #[serde(rename = "EROMASS")]
     pub mass: f64,
     /// Internal energy of deleted elements; part of ALLIE.
@@ -95,19 +95,19 @@ impl DeletionRecord {
         (self.mass, self.internal, self.seen) = (previous.mass, previous.internal, seen);
     }
 
-    /// Adds the elements deleted since the last call.
-    fn count(&mut self, groups: &[Box<dyn ElementGroup>], deleted: usize) {
+    /// Adds the elements deleted since the last call; `factor` returns the factor of mass scaling on an element.
+    fn count(&mut self, groups: &[Box<dyn ElementGroup>], factor: impl Fn(usize, usize) -> f64, deleted: usize) {
         if std::mem::replace(&mut self.seen, deleted) == deleted {
             return;
         }
-        for (group, counted) in groups.iter().zip(&mut self.counted) {
+        for (g, (group, counted)) in groups.iter().zip(&mut self.counted).enumerate() {
             for (element, counted) in counted.iter_mut().enumerate() {
                 if *counted || !group.is_deleted(element) {
                     continue;
                 }
                 *counted = true;
                 let value = |variable: Variable| group.value(element, variable.into()).unwrap_or(0.0);
-                self.mass += value(Variable::Mass);
+                self.mass += value(Variable::Mass) / factor(g, element);
                 self.internal += internal_energy(&**group, element);
                 for n in group.boundary(element) {
                     self.around[n as usize] -= 1;
@@ -150,7 +150,9 @@ impl Elements {
     /// Adds the elements deleted in the last pass.
     pub(super) fn count_removed(&mut self) {
         if let Some(removed) = &mut self.removed {
-            removed.count(&self.groups, self.deleted.0.len());
+            let masses = self.masses.as_deref();
+            let factor = |group: usize, element: usize| masses.map_or(1.0, |masses| masses.applied[group][element]);
+            removed.count(&self.groups, factor, self.deleted.0.len());
         }
     }
 }

@@ -1,11 +1,14 @@
 //! Application of mass scaling: factors of due requests, scaled masses of elements and nodes, and the new time
 //! increment limit.
 
+use std::collections::BTreeSet;
+
 use super::elements::Elements;
 use super::group::GroupSetting;
 use super::mass_scaling::{AddedMass, ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::topology::PerNode;
+use crate::material::PointValue;
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -63,6 +66,11 @@ impl Elements {
     /// Returns the factor of mass scaling on the mass of an element; `None` without mass scaling.
     pub fn mass_factor(&self, group: usize, element: usize) -> Option<f64> {
         Some(self.masses.as_deref()?.applied[group][element])
+    }
+
+    /// Returns the masses of an element at its nodes without scaling.
+    pub fn unscaled_masses(&self, group: usize, element: usize) -> PerNode<f64> {
+        self.masses.as_deref().map_or_else(|| self.groups[group].masses(element), |m| m.elements[group][element])
     }
 
     /// Returns the factors of an element: of fixed requests, and the product of all; `None` without mass scaling.
@@ -128,6 +136,7 @@ impl Elements {
             (masses.fixed[group][e], masses.factors[group][e], masses.applied[group][e]) = (*fixed, *all, *all);
             own_group.set_masses(e, &masses.scaled(group, e, *all));
         }
+        arrived.points.iter().for_each(|(n, mass)| masses.nodes[*n] += mass);
     }
 
     /// Scales the masses if due, before the forces of this instant are computed. Calls `changed` for every node whose
@@ -149,6 +158,9 @@ impl Elements {
             return false;
         }
         let Some(mut masses) = self.masses.take() else { return false };
+        if starts {
+            self.prepare_scaling(scaling);
+        }
         if let Some(fixed) = scaling.fixed.as_ref().filter(|_| starts) {
             masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
             fixed.iter().for_each(|request| self.find_factors(request, &dofs.nodes, &mut masses, FactorSet::Fixed));
@@ -162,6 +174,13 @@ impl Elements {
         self.apply(&mut masses, starts, dofs, changed);
         self.masses = Some(masses);
         true
+    }
+
+    /// Allocates the memory of the groups that a step scales.
+    fn prepare_scaling(&mut self, scaling: &StepMassScaling) {
+        let requests = scaling.fixed.iter().flatten().chain(scaling.variable.iter().map(|v| &v.request));
+        let groups: BTreeSet<usize> = requests.flat_map(|request| &request.elements).map(|at| at.0).collect();
+        groups.into_iter().for_each(|g| self.groups[g].configure(GroupSetting::MassScales));
     }
 
     /// Multiplies the current factors by those of one request. The frequency is proportional to the inverse square root
@@ -211,6 +230,7 @@ impl Elements {
                 // Unscaled elements keep the bits of their masses.
                 if factor != masses.applied[g][e] {
                     group.set_masses(e, &masses.scaled(g, e, factor));
+                    group.set(e, PointValue::MassScale(factor));
                     masses.applied[g][e] = factor;
                 }
                 for (n, m) in nodes.into_iter().zip(unscaled) {
@@ -244,6 +264,10 @@ impl Elements {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
                 let scaled = masses.scaled(g, e, factor);
+                // The rate of an equation of state that is not scaled is that of its last update.
+                if factor == 1.0 && group.properties().equation_of_state {
+                    continue;
+                }
                 let element_rate = group.stable_rate(e, Some(&scaled), nodes.as_slice());
                 if let Some(rate) = element_rate.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);

@@ -25,6 +25,7 @@ use crate::kernel::lists::Memory;
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::available::AvailableEnergy;
 use crate::material::user::BlockKinematics;
+use crate::material::volumetric::ElementSize;
 use crate::material::{Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::{CornerForces, are_zero};
 use crate::state::archive::Persist;
@@ -273,6 +274,18 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
         block.last_rate(lane, self.tasks[index / TASK].task.own_rates.get(index % TASK))
     }
 
+    /// Returns one over the stable time increment of an element with these masses, whose pressure follows from an equation of
+    /// state, at its current density and energy.
+    fn rate_of_eos(&self, element: usize, masses: &[f64], nodes: &[Node]) -> Option<f64> {
+        let (block, lane) = self.block(element);
+        let mut bulk: f64 = 0.0;
+        for (point, volume) in block.points().iter().zip(B::volumes(block.element(lane), nodes)) {
+            let size = ElementSize { volume, mass: point.mass[lane] };
+            bulk = bulk.max(self.material.bulk_modulus(&point.state, lane, size)?);
+        }
+        block.elastic_rate(lane, &ElementConstants { bulk, ..self.constants }, Some(masses), nodes)
+    }
+
     /// Returns the mass-weighted mean over the points of an element; `None` if a point has no value.
     fn mean(&self, element: usize, of_point: impl Fn(usize) -> Option<f64>) -> Option<f64> {
         if B::POINTS == 1 {
@@ -359,6 +372,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
             deletable: self.material.can_delete() || self.erodible,
             damped: self.constants.damps(),
             holds_pressure: self.holds_pressure(),
+            equation_of_state: M::EQUATION_OF_STATE,
             fields: self.material.calls().map_or(0, |calls| calls.fields()),
             // Equations of state use the corner forces of the previous pass.
             tiles: B::TILES && !M::CALLS && !M::EQUATION_OF_STATE,
@@ -473,7 +487,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
 
     fn set(&mut self, element: usize, value: PointValue) -> bool {
         let lanes = match value {
-            PointValue::VolumeRatio(_) => lanes_of(element, self.count),
+            PointValue::VolumeRatio(_) | PointValue::MassScale(_) => lanes_of(element, self.count),
             _ => element % LANES..element % LANES + 1,
         };
         let points = self.blocks[element / LANES].points_mut();
@@ -493,8 +507,8 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
         let (block, lane) = self.block(element);
         match masses {
-            // If the pressure follows from density and specific energy, the mass is part of the material state.
-            Some(_) if M::EQUATION_OF_STATE || self.constants.by_area => return None,
+            Some(_) if self.constants.by_area => return None,
+            Some(masses) if M::EQUATION_OF_STATE => return self.rate_of_eos(element, masses, nodes),
             None if self.holds_pressure() => return Some(self.last_rate(element)),
             _ => {}
         }
@@ -554,6 +568,10 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
                         self.for_tasks(|stored, blocks| stored.task.store_rates(blocks));
                     }
                 }
+            }
+            GroupSetting::MassScales => {
+                let points = self.blocks.iter_mut().flat_map(|block| block.points_mut());
+                points.for_each(|point| self.material.prepare_scaling(&mut point.state));
             }
             GroupSetting::HighestFrequency(frequency) => self.cap = self.constants.cap(frequency),
             GroupSetting::Instructions(arch) => self.arch = arch,

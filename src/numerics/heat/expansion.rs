@@ -84,13 +84,15 @@ impl ThermalStrains {
         let [temperatures, _] = &mut self.scratch;
         for (expanding, strains) in self.list.iter().zip(&mut self.strains).filter(|e| e.0.group == index) {
             let temperatures = &mut temperatures[..strains.len()];
-            match heat.filter(|heat| heat.conducts(index)) {
-                Some(heat) => {
+            let prescribed = elements.fields.as_ref().and_then(|fields| fields.temperatures_of(index));
+            match (heat.filter(|heat| heat.conducts(index)), prescribed) {
+                (Some(heat), _) => {
                     for (e, temperature) in temperatures.iter_mut().enumerate() {
                         *temperature = heat.element_temperature(index, e).unwrap_or(f64::NAN);
                     }
                 }
-                None => {
+                (None, Some(given)) => temperatures.copy_from_slice(given),
+                (None, None) => {
                     if let Some(group) = elements.groups[index].as_solid() {
                         group.temperatures(temperatures);
                     }

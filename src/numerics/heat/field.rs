@@ -11,9 +11,9 @@ use crate::constraint::bonds::LinkSystem;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::{Constraint, of_kind};
 use crate::element::elements::Elements;
-use crate::element::group::{ElementGroup, NodalVariable};
+use crate::element::group::NodalVariable;
 use crate::kernel::lists::{Memory, heap_bytes};
-use crate::kernel::topology::ElementNodes;
+use crate::kernel::topology::{ElementNodes, PerNode};
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -493,7 +493,7 @@ impl TemperatureField {
             if !self.adaptive.contains(&index) {
                 self.adaptive.push(index);
             }
-            self.take_masses(index, &*elements.groups[index]);
+            self.take_masses(index, |e| elements.unscaled_masses(index, e));
         }
     }
 
@@ -501,13 +501,15 @@ impl TemperatureField {
     pub fn restore_masses(&mut self, elements: &Elements) {
         let is_due = self.conduction_times.is_due;
         for i in 0..self.adaptive.len() {
-            self.take_masses(self.adaptive[i], &*elements.groups[self.adaptive[i]]);
+            let index = self.adaptive[i];
+            self.take_masses(index, |e| elements.unscaled_masses(index, e));
         }
         self.conduction_times.is_due = is_due;
     }
 
-    /// Takes the masses of the elements of a group, which an adaptive mesh has changed, and the capacities of all nodes.
-    pub fn take_masses(&mut self, index: usize, group: &dyn ElementGroup) {
+    /// Takes the masses of the elements of a group without mass scaling, after a change of its mesh, and the capacities of all
+    /// nodes.
+    pub fn take_masses(&mut self, index: usize, masses_of: impl Fn(usize) -> PerNode<f64>) {
         let TemperatureField { conductors, masses, capacity, conduction_times, .. } = self;
         conduction_times.is_due = true;
         let conductors = Arc::make_mut(conductors);
@@ -516,7 +518,7 @@ impl TemperatureField {
             let list = &mut conductors.list[part.first..part.end];
             if part.group == index {
                 for (e, conductor) in list.iter_mut().enumerate() {
-                    let of_element = group.masses(e);
+                    let of_element = masses_of(e);
                     conductor.masses = [0, 1, 2, 3].inline_map(|i: usize| of_element[i]);
                 }
             }

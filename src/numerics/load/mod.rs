@@ -267,6 +267,9 @@ pub trait LoadOutput: Any {
     /// Copies the history of the load that this one replaces at the start of a step.
     fn continue_from(&mut self, _previous: &dyn Load) {}
 
+    /// Takes the history of the same load of a model in which bodies had other meshes. `dofs` are those of both models.
+    fn follow_new_mesh(&mut self, _previous: &dyn Load, _dofs: [&Dofs; 2]) {}
+
     /// Returns the outcome for each rigid body that the load resists.
     fn penetrations(&self, _dofs: &Dofs) -> Vec<PenetrationRecord> {
         Vec::new()

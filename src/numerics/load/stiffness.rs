@@ -81,6 +81,11 @@ impl StiffnessMonitor {
         self.most = self.most.or(other.most);
     }
 
+    /// Keeps a stiffness that was measured on a previous mesh.
+    pub fn keep(&mut self, stiffest: Option<&LoadStiffness>) {
+        self.most = self.most.or(stiffest.copied());
+    }
+
     /// Records a face after an increment. `point` is its index in the load, `time` the total time.
     #[inline]
     pub fn sample(&mut self, i: usize, sample: &FaceSample, increment: f64, point: usize, time: f64) {

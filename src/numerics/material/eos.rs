@@ -18,6 +18,20 @@ pub struct EosLine {
     pub energy_slope: f64,
 }
 
+impl EosLine {
+    /// Returns the isentropic bulk modulus at a density and specific energy, at least that of the law's `floor`.
+    pub(super) fn bulk_modulus(&self, law: &impl LinearEos, density: f64, energy: f64) -> f64 {
+        self.bulk_above(law.floor(), law.ambient(), [density, energy])
+    }
+
+    fn bulk_above(&self, floor: f64, ambient: f64, [density, energy]: [f64; 2]) -> f64 {
+        let pressure = self.cold + self.per_energy * energy;
+        let bulk =
+            density * (self.cold_slope + self.energy_slope * energy) + self.per_energy * (pressure + ambient) / density;
+        bulk.max(floor)
+    }
+}
+
 /// Pressure lines of a block; see [`EosLine`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EosLines {
@@ -156,6 +170,11 @@ impl Tabulated {
         intervals.iter_mut().take(1).for_each(|first| first.limit = f64::INFINITY);
         let stiffest = intervals.iter().map(|interval| -interval.slopes[0]).fold(0.0, f64::max);
         Tabulated { density, intervals, floor: 1e-6 * stiffest }
+    }
+
+    /// Returns the isentropic bulk modulus.
+    pub(super) fn bulk_modulus(&self, specific_volume: f64, energy: f64) -> f64 {
+        self.line(specific_volume).bulk_above(self.floor, 0.0, [1.0 / specific_volume, energy])
     }
 
     /// Returns the pressure line at a specific volume.

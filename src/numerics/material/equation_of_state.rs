@@ -30,7 +30,7 @@ pub enum EquationOfState {
 
 /// State variables of a block.
 #[derive(Clone, Debug, Persist)]
-#[persist(present: burn, distension, mass_factors)]
+#[persist(present: burn, distension, mass_factors, mass_scales)]
 pub struct EosState {
     /// Specific energy, energy per mass.
     energy: Lanes,
@@ -38,15 +38,23 @@ pub struct EosState {
     burn: Option<Box<BurnState>>,
     /// Distensions; for porous materials only.
     distension: Option<Box<DistensionState>>,
-    /// Factors on the masses of elements, for meshes that do not follow the material ([`Material::volume_ratio`]).
+    /// Mass of the material over the mass of the element, for meshes that do not follow the material
+    /// ([`Material::volume_ratio`]) and for scaled masses.
     ///
     /// [`Material::volume_ratio`]: super::Material::volume_ratio
     mass_factors: Option<Box<Lanes>>,
+    /// Factors of mass scaling, which the mass of the material does not have.
+    mass_scales: Option<Box<Lanes>>,
 }
 
 impl EosState {
     fn new(energy: f64, burn: Option<Box<BurnState>>) -> EosState {
-        EosState { energy: [energy; LANES], burn, distension: None, mass_factors: None }
+        EosState { energy: [energy; LANES], burn, distension: None, mass_factors: None, mass_scales: None }
+    }
+
+    /// Returns the factor of mass scaling.
+    fn scale(&self, lane: usize) -> f64 {
+        self.mass_scales.as_ref().map_or(1.0, |scales| scales[lane])
     }
 }
 
@@ -57,6 +65,19 @@ impl EquationOfState {
             EquationOfState::IdealGas(law) => Some([law.specific_heat, law.absolute_zero]),
             _ => None,
         }
+    }
+
+    /// Returns the isentropic bulk modulus at a specific volume and energy; `None` for explosives, which have two laws, and
+    /// materials with pores, whose modulus depends on their distension.
+    fn bulk_modulus(&self, specific_volume: f64, energy: f64) -> Option<f64> {
+        let density = 1.0 / specific_volume;
+        Some(match self {
+            EquationOfState::IdealGas(law) => law.curve(density, specific_volume).bulk_modulus(law, density, energy),
+            EquationOfState::UsUp(law) => law.curve(density, specific_volume).bulk_modulus(law, density, energy),
+            EquationOfState::Tabulated(law) => law.bulk_modulus(specific_volume, energy),
+            EquationOfState::User(law) => law.bulk_modulus(density, energy),
+            EquationOfState::Explosive(_) | EquationOfState::Compacting(_) => return None,
+        })
     }
 
     /// Returns the work per mass on the isentrope from a specific volume and energy to zero pressure, where the tension
@@ -160,12 +181,17 @@ impl VolumetricLaw for EquationOfState {
     }
 
     fn set(&self, state: &mut EosState, lane: usize, value: PointValue) -> bool {
+        let scale = state.scale(lane);
         match (value, self.thermal(), &mut state.mass_factors) {
             (PointValue::SpecificEnergy(energy), ..) => state.energy[lane] = energy,
             (PointValue::Temperature(temperature), Some([heat, zero]), _) => {
                 state.energy[lane] = heat * (temperature - zero);
             }
-            (PointValue::VolumeRatio(ratio), _, Some(factors)) => factors[lane] = 1.0 / ratio,
+            (PointValue::VolumeRatio(ratio), _, Some(factors)) => factors[lane] = 1.0 / (ratio * scale),
+            (PointValue::MassScale(now), _, Some(factors)) => {
+                factors[lane] *= scale / now;
+                state.mass_scales.iter_mut().for_each(|scales| scales[lane] = now);
+            }
             _ => return false,
         }
         true
@@ -196,9 +222,20 @@ impl VolumetricLaw for EquationOfState {
     }
 
     fn bytes(&self, state: &EosState) -> usize {
-        state.burn.as_deref().map_or(0, size_of_val)
-            + state.distension.as_deref().map_or(0, size_of_val)
-            + state.mass_factors.as_deref().map_or(0, size_of_val)
+        let EosState { energy: _, burn, distension, mass_factors, mass_scales } = state;
+        let lanes = [mass_factors, mass_scales].into_iter().flatten().map(|lanes| size_of_val(&**lanes));
+        let distensions = distension.as_deref().map_or(0, size_of_val);
+        burn.as_deref().map_or(0, size_of_val) + distensions + lanes.sum::<usize>()
+    }
+
+    fn prepare_scaling(&self, state: &mut EosState) {
+        self.prepare_transport(state);
+        state.mass_scales.get_or_insert_with(|| Box::new([1.0; LANES]));
+    }
+
+    fn bulk_modulus(&self, state: &EosState, lane: usize, ElementSize { volume, mass }: ElementSize) -> Option<f64> {
+        let mass = mass * state.mass_factors.as_ref().map_or(1.0, |factors| factors[lane]);
+        self.bulk_modulus(volume / mass, state.energy[lane])
     }
 
     fn prepare_transport(&self, state: &mut EosState) {
@@ -206,8 +243,8 @@ impl VolumetricLaw for EquationOfState {
     }
 
     fn volume_ratio(&self, state: &EosState, lane: usize) -> Option<f64> {
-        state.mass_factors.as_ref().map(|factors| 1.0 / factors[lane])
+        state.mass_factors.as_ref().map(|factors| 1.0 / (factors[lane] * state.scale(lane)))
     }
 }
 
-carried_state!(EosState { energy, burn, distension } stay { mass_factors });
+carried_state!(EosState { energy, burn, distension } stay { mass_factors, mass_scales });

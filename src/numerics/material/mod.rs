@@ -88,6 +88,8 @@ pub enum PointValue {
     NodalField(usize, f64),
     /// Ratio of volumes ([`Material::volume_ratio`]), after a change of the mesh.
     VolumeRatio(f64),
+    /// Factor of mass scaling on the mass of the element.
+    MassScale(f64),
 }
 
 /// A material law: it computes the stress of a block of elements. The associated constants select the code that is
@@ -203,6 +205,15 @@ pub trait Material: Send + Sync + 'static {
     /// follows, over the volume of the element. It differs from 1 after a change of the mesh that gives the element
     /// another volume than its material has. `None` if no pressure follows from the density.
     fn volume_ratio(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+
+    /// Allocates what [`PointValue::MassScale`] needs. A density from which a pressure follows is that without mass scaling.
+    fn prepare_scaling(&self, _state: &mut Self::State) {}
+
+    /// Returns the current isentropic bulk modulus of an element of this size; `None` if the material has none without an
+    /// increment.
+    fn bulk_modulus(&self, _state: &Self::State, _lane: usize, _element: ElementSize) -> Option<f64> {
         None
     }
 

@@ -61,6 +61,12 @@ impl UserEos {
         EosLine { cold: pressure - per_energy * energy, per_energy, cold_slope: 0.0, energy_slope: 0.0 }
     }
 
+    /// Returns the isentropic bulk modulus.
+    pub(super) fn bulk_modulus(&self, density: f64, energy: f64) -> f64 {
+        let EosResponse { sound_speed, .. } = self.respond(density, energy);
+        density * sound_speed * sound_speed
+    }
+
     /// Updates pressures and energies of a block. The energy balance of an increment is that of
     /// [`advance`](super::eos::advance), solved for the energy at its end by secants.
     pub(super) fn advance_block(&self, energy: &mut Lanes, update: &mut PressureUpdate) {

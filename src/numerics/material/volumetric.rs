@@ -68,6 +68,14 @@ pub trait VolumetricLaw: Send + Sync + 'static {
         None
     }
 
+    /// See [`Material::prepare_scaling`](super::Material::prepare_scaling).
+    fn prepare_scaling(&self, _state: &mut Self::State) {}
+
+    /// See [`Material::bulk_modulus`](super::Material::bulk_modulus).
+    fn bulk_modulus(&self, _state: &Self::State, _lane: usize, _element: ElementSize) -> Option<f64> {
+        None
+    }
+
     /// Returns the number of bytes that the state of a block needs in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
         0

@@ -127,6 +127,14 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         self.volumetric.volume_ratio(&state.volumetric, lane)
     }
 
+    fn prepare_scaling(&self, state: &mut Self::State) {
+        self.volumetric.prepare_scaling(&mut state.volumetric);
+    }
+
+    fn bulk_modulus(&self, state: &Self::State, lane: usize, element: ElementSize) -> Option<f64> {
+        self.volumetric.bulk_modulus(&state.volumetric, lane, element)
+    }
+
     fn bytes(&self, state: &Self::State) -> usize {
         self.volumetric.bytes(&state.volumetric)
     }

@@ -75,6 +75,8 @@ pub struct MeshRevision {
     /// Points of histories in the new mesh, between its nodes, in the order of the nodes of the model before it whose names
     /// they have.
     pub tracers: Vec<TracerPoint>,
+    /// Places of all nodes of the model before it; empty if it has no ties.
+    pub places: Vec<[f64; 2]>,
 }
 
 /// Marks nodes that are not on the boundary.

@@ -151,6 +151,28 @@ pub trait UserLoad: Send {
     }
 }
 
+/// Constant properties of a user load, as its methods return them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoadProperties {
+    /// As [`UserLoad::reads_motion`].
+    pub reads_motion: bool,
+    /// As [`UserLoad::reads_magnitude`].
+    pub reads_magnitude: bool,
+    /// As [`UserLoad::memory`].
+    pub memory: usize,
+}
+
+impl LoadProperties {
+    /// Returns the properties of a load.
+    pub fn of(load: &dyn UserLoad) -> LoadProperties {
+        LoadProperties {
+            reads_motion: load.reads_motion(),
+            reads_magnitude: load.reads_magnitude(),
+            memory: load.memory(),
+        }
+    }
+}
+
 /// A user load defined by a function of the points and the index of one point.
 struct PointwiseLoad<F>(F);
 
@@ -583,6 +605,9 @@ macro_rules! routines {
             pub unsupported: Vec<&'static str>,
             /// Variables of compiled subroutines.
             pub memory: Option<Arc<dyn PersistentMemory>>,
+            /// Properties of the load, if a plan was compiled with it: plans of new meshes are compiled while a run has locked
+            /// the load.
+            pub load_properties: Option<LoadProperties>,
         }
 
         /// The user subroutines of a job, locked by a run; fields as in [`Routines`].

@@ -26,6 +26,7 @@ use std::sync::Arc;
 
 use crate::deck::Diagnostics;
 use crate::kernel::amplitude::SampledAmplitude;
+use crate::model::remesh::placed_for_ties;
 use crate::model::{MaterialDefinition, Model, Step};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
@@ -35,7 +36,7 @@ pub use changes::StepChanges;
 pub use checks::plausibility::unit_warning;
 pub use compiled::{GeneralLedgerRows, MeshCards, Plan, StepPlan};
 pub(crate) use constraints::link_set::Links;
-pub use meshes::automatic::AutomaticMeshes;
+pub use meshes::automatic::{AutomaticMeshes, FirstMesh};
 pub use meshes::labels::FrameLabels;
 pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
@@ -91,10 +92,11 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     if diagnostics.has_errors() {
         return Compilation { diagnostics, ..Compilation::default() };
     }
-    let attached = constraints::surface_ties::find_attached_nodes(model, &mut diagnostics);
+    let placed = placed_for_ties(model);
+    let attached = constraints::surface_ties::find_attached_nodes(placed.as_ref().unwrap_or(model), &mut diagnostics);
     let adjusted = constraints::surface_ties::adjusted(model, &attached);
     let model = adjusted.as_ref().unwrap_or(model);
-    let surface_ties = constraints::tie_equations::tie_equations(model, &attached);
+    let surface_ties = constraints::tie_equations::tie_equations(placed.as_ref().unwrap_or(model), &attached);
     let mut report = Report::new(model, routines);
     let mut bodies = bodies::plan(model, &surface_ties, &mut report);
     let solids::Solids { places, ties, state: mut solid_state } =
@@ -143,7 +145,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         expressions: columns.expressions,
         sensors: columns.sensors.into_values().collect(),
         fields: columns.fields,
-        routines: routines.clone(),
+        routines: Routines { load_properties: shared.load_properties, ..routines.clone() },
         rows,
         labels: FrameLabels::of(model),
         remesh,

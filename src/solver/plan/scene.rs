@@ -11,6 +11,7 @@ use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{AmplitudeId, MaterialDefinition, Model, SolidSection, SurfaceContact};
 use crate::plan::{Bodies, Links, SolidPlaces, State};
 use crate::state::nodes::Node;
+use crate::user::LoadProperties;
 
 /// The model with its rigid bodies, and the solver indices of its deformable nodes and elements.
 #[derive(Clone, Copy)]
@@ -67,4 +68,6 @@ pub struct Shared {
     pub amplitude_count: usize,
     /// Surfaces of loads in models without deformable elements, by the line of the load; revisions use them again.
     pub surfaces: IndexMap<Span, SurfaceGeometry>,
+    /// Properties of the user load, once a load has asked for them.
+    pub load_properties: Option<LoadProperties>,
 }

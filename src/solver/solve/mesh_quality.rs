@@ -3,10 +3,11 @@
 use super::outcome::{MeshChanges, MeshShape};
 use super::run_state::RunState;
 use crate::element::elements::Elements;
+use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::smallest_sine;
 use crate::kernel::topology::ElementTopology;
-use crate::plan::{AutomaticMeshes, Plan, RemeshedBody, State};
+use crate::plan::{AutomaticMeshes, FirstMesh, Plan, RemeshedBody, State};
 use crate::remesh::mesher::sharpest;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::archive::Persist;
@@ -68,9 +69,19 @@ impl MeshQuality {
     }
 
     /// Returns whether a body that no card names has collapsed on the mesh of the deck.
-    fn has_collapsed(&mut self, (group, limit): (usize, f64), run: &RunState<'_>) -> bool {
-        self.is_due(run.now.increment, AutomaticMeshes::INTERVAL)
-            && self.is_collapsed(group, limit, &run.state.elements)
+    fn has_collapsed(&mut self, (group, trigger): (usize, FirstMesh), run: &RunState<'_>) -> bool {
+        if !self.is_due(run.now.increment, AutomaticMeshes::INTERVAL) {
+            return false;
+        }
+        let elements = &run.state.elements;
+        match trigger {
+            FirstMesh::Squashed(limit) => self.is_collapsed(group, limit, elements),
+            FirstMesh::Turned(limit) => {
+                self.increment = self.increment.max(elements.stable_increment());
+                let is_short = elements.stable_increment() < limit * self.increment;
+                is_short && smallest_sines(&*elements.groups[group], &run.state).any(|sine| sine < 0.0)
+            }
+        }
     }
 
     /// Returns whether the elements of a group, squashed by plastic flow, have cost enough increments for a new mesh.
@@ -113,12 +124,17 @@ fn is_limited_by(elements: &Elements, group: usize) -> bool {
     elements.limiting().is_some_and(|limiting| limiting.0 == group)
 }
 
+/// Returns the smallest sine of a corner of each quadrilateral or triangle of a group that is not deleted.
+fn smallest_sines<'a>(group: &'a dyn ElementGroup, state: &'a State) -> impl Iterator<Item = f64> + 'a {
+    let place = |n: u32| state.dofs.nodes[n as usize].place();
+    let living = (0..group.len()).filter(|e| !group.is_deleted(*e)).map(|e| group.nodes(e));
+    living.map(move |nodes| smallest_sine(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place))
+}
+
 /// Returns the shapes of the quadrilaterals and triangles that are not deleted; `None` without any.
 pub(super) fn shape_of(state: &State) -> Option<MeshShape> {
     let groups = state.elements.groups.iter().filter(|group| group.topology() == ElementTopology::Quadrilateral);
-    let living = groups.flat_map(|group| (0..group.len()).filter(|e| !group.is_deleted(*e)).map(|e| group.nodes(e)));
-    let place = |n: u32| state.dofs.nodes[n as usize].place();
-    let sines = living.map(|nodes| smallest_sine(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place));
+    let sines = groups.flat_map(|group| smallest_sines(&**group, state));
     let (mut smallest, mut turned_corners, mut count) = (1.0_f64, 0, 0);
     for sine in sines {
         smallest = smallest.min(sine);
@@ -151,7 +167,10 @@ impl RemeshMonitor {
     #[inline]
     pub(super) fn body_to_mesh(&mut self, run: &RunState<'_>) -> Option<usize> {
         if let Some(waiting) = &run.plan.automatic_meshes {
-            return waiting.limits().zip(&mut self.bodies).position(|(body, quality)| quality.has_collapsed(body, run));
+            return waiting
+                .triggers()
+                .zip(&mut self.bodies)
+                .position(|(body, quality)| quality.has_collapsed(body, run));
         }
         let bodies = &run.plan.remesh.as_ref()?.bodies;
         bodies.iter().zip(&mut self.bodies).position(|(body, quality)| quality.is_distorted(body, run))

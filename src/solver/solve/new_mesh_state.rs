@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::run_state::RunState;
 use crate::constraint::contact::ContactConstraint;
+use crate::constraint::equation::EquationConstraint;
 use crate::constraint::{PreviousPlace, of_kind_mut, prescribed_motions};
 use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
@@ -15,13 +16,15 @@ use crate::kernel::shape::share_between;
 use crate::load::SceneChange;
 use crate::material::PointValue;
 use crate::model::Model;
-use crate::model::remesh::ModelBody;
+use crate::model::remesh::{ModelBody, single_nodes};
 use crate::plan::{Plan, RemeshPlan, RemeshedBody, State};
 use crate::remesh::balanced_parts::balanced_parts;
 use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer};
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
+use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive};
+use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Node;
 
 /// A body with its old mesh, of the elements that are neither deleted nor left out, and its new one.
@@ -39,6 +42,7 @@ pub(super) struct ReplacedMesh<'a> {
 /// Takes the state of the run with the old mesh.
 pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: ReplacedMesh<'_>) {
     run.body_forces.values.clone_from(&old.body_forces.values);
+    let now = run.now;
     let (Some(remesh), old_remesh) = (&run.plan.remesh, mesh.old_plan) else { return };
     let mut change = MeshChange {
         plan: run.plan,
@@ -53,6 +57,7 @@ pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: Re
     change.take_over_amplitudes();
     let places = change.take_over_nodes(&old_remesh.model);
     change.take_over_groups();
+    change.give_fields(now);
     change.state.dofs.energies = change.old.dofs.energies;
     change.move_body(places);
     change.state.elements.wake();
@@ -93,6 +98,12 @@ impl MeshChange<'_> {
         self.state.user_amplitudes.clone_from(&self.old.user_amplitudes);
         let pairs = self.state.amplitude_routines.iter_mut().zip(&mut self.old.amplitude_routines);
         pairs.for_each(|(amplitude, previous)| copy_state(previous, amplitude));
+    }
+
+    /// Sets prescribed temperatures and field variables of elements at this instant.
+    fn give_fields(&mut self, now: Instant) {
+        let State { elements, user_amplitudes, .. } = &mut *self.state;
+        elements.give_fields(&AmplitudeClock { now, user_amplitudes });
     }
 
     /// Takes the state of other element groups, and of adaptive domains.
@@ -207,7 +218,8 @@ impl MeshChange<'_> {
         let ThermalState { heat: old_heat, expansion: old_expansion } = &mut **old_thermal;
         if let (Some(heat), Some(old_heat)) = (&mut thermal.heat, &*old_heat) {
             heat.follow_new_mesh(old_heat, |n| places[n].and_then(|place| place.node()));
-            heat.take_masses(group, &*self.state.elements.groups[group]);
+            let elements = &*self.state.elements.groups[group];
+            heat.take_masses(group, |e| elements.masses(e));
             if heat.conducts(group) {
                 let of_nodes = BodyMotion { masses: old_masses.clone(), velocities: Vec::new() };
                 let node_masses = of_nodes.node_masses(transfer.old_mesh());
@@ -244,8 +256,11 @@ impl MeshChange<'_> {
     /// scaled masses of the elements.
     fn move_scaling(&mut self, moved: &BodyTransfer<'_>, old_factors: &[[f64; 2]]) -> Vec<[f64; 4]> {
         let factors = moved.transfer.means(old_factors);
-        let mut arrived =
-            ArrivedScaling { masses: vec![[0.0; 4]; factors.len()], factors: vec![[1.0; 2]; factors.len()] };
+        let mut arrived = ArrivedScaling {
+            masses: vec![[0.0; 4]; factors.len()],
+            factors: vec![[1.0; 2]; factors.len()],
+            points: self.point_masses(),
+        };
         for (i, e) in self.body.elements.iter().enumerate() {
             (arrived.masses[*e as usize], arrived.factors[*e as usize]) = (moved.masses[i], factors[i]);
         }
@@ -268,12 +283,39 @@ impl MeshChange<'_> {
         let velocities = transfer.velocities(&motion, &masses, &fixed);
         let arrived = BodyMotion { masses, velocities };
         let (after, mass) = (transfer.new_mesh(), arrived.node_masses(transfer.new_mesh()));
+        let points = self.point_masses();
         let nodes = &mut self.state.dofs.nodes;
         for (i, n) in self.body.nodes.iter().enumerate() {
             let ([r, z], [v_r, v_z]) = (after.points[i], arrived.velocities[i]);
             nodes[*n] = Node { r, z, v_r, v_z };
             (nodes.mass[*n], nodes.inverse_mass[*n]) = (mass[i], 1.0 / mass[i]);
         }
+        for (n, mass) in points {
+            self.add_point_mass(n, mass);
+        }
+    }
+
+    /// Returns the nodes of the body with point masses.
+    fn point_masses(&self) -> Vec<(usize, f64)> {
+        let Some(remesh) = &self.plan.remesh else { return Vec::new() };
+        let masses = remesh.model.discrete.masses.iter();
+        let of_node = masses.map(|point| (self.plan.places.nodes.get(&point.node), point.mass));
+        let is_of_body = |n: &usize| self.body.nodes.contains(n);
+        of_node.filter_map(|(n, mass)| Some((*n.filter(|n| is_of_body(n))?, mass))).collect()
+    }
+
+    /// Adds a point mass to a node of the new mesh. Its momentum is that on the old mesh.
+    fn add_point_mass(&mut self, n: usize, point: f64) {
+        let revision = self.mesh.revision;
+        let parent = self.body.nodes.iter().position(|own| *own == n).map(|i| revision.parents[i][0]);
+        let Some(parent) = parent.filter(|parent| *parent != INSIDE) else { return };
+        let velocity = self.old.dofs.nodes.velocity_now(self.old_body.nodes[parent as usize]);
+        let nodes = &mut self.state.dofs.nodes;
+        let (of_elements, mass) = (nodes.mass[n], nodes.mass[n] + point);
+        let node = &mut nodes[n];
+        node.v_r = (of_elements * node.v_r + point * velocity[0]) / mass;
+        node.v_z = (of_elements * node.v_z + point * velocity[1]) / mass;
+        (nodes.mass[n], nodes.inverse_mass[n]) = (mass, 1.0 / mass);
     }
 
     /// Takes which elements of other bodies are deleted, and informs loads and contact about the deleted elements again.
@@ -299,9 +341,21 @@ impl MeshChange<'_> {
                 follower.follow_new_mesh(&**previous, &|node| places[node], dofs);
             }
         }
+        if self.plan.remesh.as_ref().is_some_and(|remesh| has_equations(&remesh.model, self.mesh.body)) {
+            of_kind_mut::<EquationConstraint>(constraints).for_each(|equations| equations.project_velocities(dofs));
+        }
+        for load in loads.iter_mut() {
+            self.old.loads.iter().for_each(|previous| load.follow_new_mesh(&**previous, [dofs, &self.old.dofs]));
+        }
         let masses = SceneChange::Masses(dofs);
         loads.iter_mut().for_each(|load| load.scene_changed(&masses));
     }
+}
+
+/// Returns whether nodes of a body may take part in equations.
+fn has_equations(model: &Model, body: usize) -> bool {
+    let body = ModelBody::new(model, body);
+    !model.constraints.ties.is_empty() || single_nodes(model).any(|node| body.position(node).is_some())
 }
 
 /// Elements of the old mesh of a body, as indices in their group.

@@ -22,8 +22,8 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::kernel::shape::middle;
 use crate::model::Model;
-use crate::model::remesh::{ModelBody, kept_nodes_of_histories, movable_nodes_of_histories, revised};
-use crate::plan::{self, CompiledModel, Plan, RemeshPlan, State};
+use crate::model::remesh::{ModelBody, movable_nodes_of_histories, required_nodes, revised};
+use crate::plan::{self, CompiledModel, FirstMesh, Plan, RemeshPlan, State};
 use crate::remesh::interpolation::{TracerPoint, interpolated, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
 use crate::remesh::sheets::thin_elements;
@@ -161,7 +161,9 @@ pub(super) fn next_mesh(
     observing: &mut RunOutput,
 ) -> Result<Option<NextMesh>, HaltReason> {
     let (old_plan, old_increment) = (run.current.plan, run.current.state.elements.stable_increment());
-    let first = old_plan.automatic_meshes.as_ref().map(|waiting| waiting.remesh_plan(&old_plan.places));
+    let waiting = old_plan.automatic_meshes.as_ref();
+    let trigger = waiting.and_then(|waiting| waiting.triggers().nth(body)).map(|(_, trigger)| trigger);
+    let first = waiting.map(|waiting| waiting.remesh_plan(&old_plan.places));
     let Some(remesh) = first.as_ref().or(old_plan.remesh.as_deref()) else { return Ok(None) };
     let planned = &remesh.bodies[body];
     let Some(BodyRevision { old: old_mesh, living, left_out, revision }) =
@@ -206,7 +208,7 @@ pub(super) fn next_mesh(
     let increments = [old_increment, next.current.state.elements.stable_increment()];
     next.remesh.bodies[body].begin_mesh(planned, &revision.mesh, increments);
     if planned.automatic && next.remesh.bodies[body].is_first() {
-        warn_of_first_mesh(&mut next, &remesh.model.remeshings[body].set, increments);
+        warn_of_first_mesh(&mut next, &remesh.model.remeshings[body].set, trigger, increments);
     }
     output.follow(std::mem::replace(observing, RunOutput::new(&plan)), &next.current.now);
     *observing = output;
@@ -230,11 +232,16 @@ fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
 }
 
 /// Reports that a body that no card names has a new mesh.
-fn warn_of_first_mesh(run: &mut SolverRun<'_>, material: &str, [old, new]: [f64; 2]) {
+fn warn_of_first_mesh(run: &mut SolverRun<'_>, material: &str, trigger: Option<FirstMesh>, [old, new]: [f64; 2]) {
+    let cause = match trigger {
+        Some(FirstMesh::Turned(_)) => {
+            format!("a corner of the adaptive mesh of material {material} has turned over, and")
+        }
+        _ => format!("plastic flow has squashed elements of the body of material {material} until"),
+    };
     let text = format!(
-        "plastic flow has squashed elements of the body of material {material} until the stable time increment fell to \
-         {old:.3e}: at time {:.4e} the body has a new mesh, with {new:.3e}. It is remeshed from now on, as with *REMESH, which \
-         has options for it; *REMESH, AUTOMATIC=NO keeps the mesh",
+        "{cause} the stable time increment fell to {old:.3e}: at time {:.4e} the body has a new mesh, with {new:.3e}. It is \
+         remeshed from now on, as with *REMESH, which has options for it; *REMESH, AUTOMATIC=NO keeps the mesh",
         run.current.now.total_time
     );
     run.report.outcome.warn("R319", text);
@@ -315,7 +322,7 @@ fn body_revision(
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
-    if kept_nodes_of_histories(model).any(is_lost) {
+    if required_nodes(model).any(is_lost) {
         return None;
     }
     let strain = |i: usize| {
@@ -335,7 +342,16 @@ fn body_revision(
     let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes.displacement(*n)).collect();
     new.displacements = interpolated(&old, &moved, &new.mesh.points);
     new.tracers = tracers(run, model, (&of_model, &old), &new);
+    new.places = if model.constraints.ties.is_empty() { Vec::new() } else { node_places(run, model) };
     Some(BodyRevision { old, living, left_out, revision: new })
+}
+
+/// Returns the places of all nodes of the model.
+fn node_places(run: &RunState<'_>, model: &Model) -> Vec<[f64; 2]> {
+    let place = |(node, start): (usize, &[f64; 2])| {
+        run.plan.places.nodes.get(&node).map_or(*start, |n| run.state.dofs.nodes[*n].place())
+    };
+    model.mesh.points.iter().enumerate().map(place).collect()
 }
 
 /// Returns the mass of an element without mass scaling.

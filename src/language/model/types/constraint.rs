@@ -12,6 +12,8 @@ pub struct NodeConstraints {
     pub links: Vec<NodeLink>,
     /// Ties of two surfaces (`*TIE`).
     pub ties: Vec<SurfaceTie>,
+    /// Places `[r, z]` of all nodes at the last new mesh, at which the nodes of ties are found; empty before.
+    pub tie_places: Vec<[f64; 2]>,
 }
 
 /// A homogeneous linear equation `Σ c_i u_i = 0` in displacements or temperatures.

@@ -244,6 +244,7 @@ impl ElementGroup for CohesiveGroup {
             deletable: self.deletes || self.is_erodible,
             damped: false,
             holds_pressure: true,
+            equation_of_state: false,
             fields: 0,
             tiles: false,
         }

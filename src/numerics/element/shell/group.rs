@@ -170,6 +170,7 @@ impl ElementGroup for ShellGroup {
             deletable: !self.deleted.is_empty(),
             damped: true,
             holds_pressure: false,
+            equation_of_state: false,
             fields: 0,
             tiles: false,
         }
@@ -279,7 +280,7 @@ impl ElementGroup for ShellGroup {
             }
             GroupSetting::Deletion => self.deleted = vec![false; self.ends.len()],
             GroupSetting::Instructions(arch) => self.arch = arch,
-            GroupSetting::StableRates | GroupSetting::HighestFrequency(_) => {}
+            GroupSetting::StableRates | GroupSetting::MassScales | GroupSetting::HighestFrequency(_) => {}
         }
     }
 

@@ -11,11 +11,12 @@ use super::{
     TargetDissipation, VelocityUse,
 };
 use crate::kernel::lists::{Memory, heap_bytes};
+use crate::kernel::shape::distance;
 use crate::load::fields::FacetFields;
 use crate::load::stations::stations;
 use crate::load::stiffness::LoadStiffness;
 use crate::mesh::hidden::InteriorFaces;
-use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
+use crate::mesh::surface::SurfaceGeometry;
 use crate::routines::{LockedRoutines, MAX_BLOCK};
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
@@ -23,7 +24,6 @@ use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
-use crate::state::nodes::Nodes;
 use surface_map::{PointBlock, SurfaceMap};
 
 /// Data that all points of a load share.
@@ -72,22 +72,19 @@ pub struct SubroutineLoad {
     blocks: Vec<PointBlock>,
     /// Number of blocks that act on nodes.
     on_nodes: usize,
-    /// Faces that become exposed when elements are deleted, their initial midpoints, and the number of faces exposed
-    /// from the start.
+    /// Faces that become exposed when elements are deleted, and the number of faces exposed from the start.
     hidden: InteriorFaces,
-    middles: Vec<[f64; 2]>,
     first_hidden: usize,
 }
 
 impl SubroutineLoad {
     /// Creates a pressure load on a surface; `dofs` are the initial positions.
     pub fn on_surface(load: UserLoadData, surface: &SurfaceGeometry, dofs: &Dofs) -> Self {
-        let (skin, nodes) = (&surface.skin, &dofs.nodes);
+        let skin = &surface.skin;
         let (first_hidden, face_limit, hidden) =
             (skin.faces.len(), skin.max_faces(), skin.hidden().cloned().unwrap_or_default());
-        let block = |first: usize| {
-            PointBlock::of_faces(skin.part(first, MAX_BLOCK), (face_limit - first).min(MAX_BLOCK), nodes)
-        };
+        let block =
+            |first: usize| PointBlock::of_faces(skin.part(first, MAX_BLOCK), (face_limit - first).min(MAX_BLOCK));
         let mut blocks: Vec<PointBlock> = (0..face_limit).step_by(MAX_BLOCK).map(block).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
@@ -107,15 +104,13 @@ impl SubroutineLoad {
             bodies.push(GeneralizedForce::along_z(patch.body, EnergyAccount::Work));
         }
         blocks.iter_mut().for_each(|block| block.reserve_memory(load.memory));
-        let middles = hidden.faces().iter().map(|&f| CurrentFace::new(f, nodes).middle()).collect();
-        SubroutineLoad { bodies, load, blocks, on_nodes, hidden, middles, first_hidden }
+        SubroutineLoad { bodies, load, blocks, on_nodes, hidden, first_hidden }
     }
 
     /// Creates a body force (force per volume).
-    pub fn on_volume(load: UserLoadData, volume: &LoadedVolume, nodes: &Nodes) -> Self {
+    pub fn on_volume(load: UserLoadData, volume: &LoadedVolume) -> Self {
         let parts = volume.cells.chunks(MAX_BLOCK);
-        let mut blocks: Vec<PointBlock> =
-            parts.map(|elements| PointBlock::of_elements(&load, elements, nodes)).collect();
+        let mut blocks: Vec<PointBlock> = parts.map(|elements| PointBlock::of_elements(&load, elements)).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
         for of_body in volume.rigid.chunk_by(|a, b| a.body == b.body) {
@@ -123,15 +118,13 @@ impl SubroutineLoad {
             bodies.push(GeneralizedForce::along_z(of_body[0].body, EnergyAccount::Work));
         }
         blocks.iter_mut().for_each(|block| block.reserve_memory(load.memory));
-        let (hidden, middles) = (InteriorFaces::default(), Vec::new());
-        SubroutineLoad { load, bodies, blocks, on_nodes, hidden, middles, first_hidden: 0 }
+        SubroutineLoad { load, bodies, blocks, on_nodes, hidden: InteriorFaces::default(), first_hidden: 0 }
     }
 
     /// Appends a face that has become exposed.
     fn add_face(&mut self, at: usize) {
         let face = self.hidden.exposed_face(at);
-        let middle = self.middles[face.index];
-        self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face.nodes, face.element), middle);
+        self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face.nodes, face.element));
     }
 
     fn on_nodes(
@@ -180,6 +173,13 @@ impl SubroutineLoad {
         }
         Ok(())
     }
+}
+
+/// Returns list and position of the point nearest to a place.
+fn nearest(lists: &[Vec<[f64; 2]>], place: [f64; 2]) -> Option<[usize; 2]> {
+    let all = lists.iter().enumerate().flat_map(|(list, points)| points.iter().enumerate().map(move |p| (list, p)));
+    let distances = all.map(|(list, (at, point))| ([list, at], distance(*point, place)));
+    distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
 }
 
 impl Load for SubroutineLoad {
@@ -242,6 +242,31 @@ impl LoadOutput for SubroutineLoad {
         of_bodies.iter_mut().zip(known_bodies).for_each(|(block, known)| block.continue_points(known));
     }
 
+    /// Copies the memory of the points of rigid bodies, and that of the nearest point of the previous mesh.
+    fn follow_new_mesh(&mut self, previous: &dyn Load, [dofs, previous_dofs]: [&Dofs; 2]) {
+        let Some(previous) = (previous as &dyn Any).downcast_ref::<SubroutineLoad>() else { return };
+        if (&self.load.name, self.load.load_type) != (&previous.load.name, previous.load.load_type) {
+            return;
+        }
+        let stiffest = previous.stiffness();
+        let (of_nodes, of_bodies) = self.blocks.split_at_mut(self.on_nodes);
+        of_nodes.iter_mut().take(1).for_each(|block| block.keep_stiffness(stiffest));
+        of_bodies.iter_mut().zip(&previous.blocks[previous.on_nodes..]).for_each(|(own, b)| own.continue_points(b));
+        if self.load.memory == 0 {
+            return;
+        }
+        let known_blocks = &previous.blocks[..previous.on_nodes];
+        let points_of = |block: &PointBlock| block.middles(&previous_dofs.nodes);
+        let known: Vec<Vec<[f64; 2]>> = known_blocks.iter().map(points_of).collect();
+        for block in of_nodes {
+            for (i, place) in block.middles(&dofs.nodes).into_iter().enumerate() {
+                if let Some([b, point]) = nearest(&known, place) {
+                    block.continue_point(i, &known_blocks[b], point);
+                }
+            }
+        }
+    }
+
     fn stiffness(&self) -> Option<&LoadStiffness> {
         let stiffnesses = self.blocks[..self.on_nodes].iter().filter_map(PointBlock::stiffness);
         stiffnesses.reduce(|largest, other| if other.squared > largest.squared { other } else { largest })
@@ -258,7 +283,7 @@ impl LoadOutput for SubroutineLoad {
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let mut arrays = vec![("points", heap_bytes(&self.blocks) + self.load.magnitude.bytes())];
-        arrays[0].1 += self.hidden.bytes() + heap_bytes(&self.middles);
+        arrays[0].1 += self.hidden.bytes();
         for block in &self.blocks {
             arrays[0].1 += block.map.bytes();
             for (name, bytes) in block.arrays() {
@@ -280,7 +305,7 @@ impl Persist for SubroutineLoad {
             self.blocks[..self.on_nodes].iter_mut().enumerate().for_each(|(i, block)| block.cut(first(i)));
             (0..self.hidden.exposed_count()).for_each(|at| self.add_face(at));
         }
-        let SubroutineLoad { load: _, bodies: _, blocks, on_nodes: _, hidden: _, middles: _, first_hidden: _ } = self;
+        let SubroutineLoad { load: _, bodies: _, blocks, on_nodes: _, hidden: _, first_hidden: _ } = self;
         blocks.as_mut_slice().persist(archive);
     }
 }

@@ -42,33 +42,30 @@ pub(super) enum SurfaceMap {
     Body { slot: usize, body: usize, weight: Vec<f64>, z_start: Vec<f64>, elements: Vec<usize> },
     /// Stations of a rigid body with six degrees of freedom; `slot` is its first index among the load's forces.
     Stations { slot: usize, body: usize, stations: Vec<SurfaceStation> },
-    /// Faces of deformable elements, with their initial midpoints (and capacity for faces that become exposed), and the
-    /// estimate of the load's stiffness.
-    Faces { skin: DeformableFaces, start: Vec<[f64; 2]>, watch: StiffnessMonitor },
-    /// Deformable elements by their corner nodes, with their initial centres; axis of the force.
-    Elements { corners: Vec<[u32; 4]>, start: Vec<[f64; 2]>, axis: usize },
+    /// Faces of deformable elements (with capacity for faces that become exposed), and the estimate of the load's
+    /// stiffness.
+    Faces { skin: DeformableFaces, watch: StiffnessMonitor },
+    /// Deformable elements by their corner nodes; axis of the force.
+    Elements { corners: Vec<[u32; 4]>, axis: usize },
 }
 
 impl SurfaceMap {
     pub(super) fn bytes(&self) -> usize {
-        let places = |list: &Vec<[f64; 2]>| heap_bytes(list);
         match self {
             SurfaceMap::Body { weight, z_start, elements, .. } => {
                 8 * (weight.capacity() + z_start.capacity() + elements.capacity())
             }
             SurfaceMap::Stations { stations, .. } => heap_bytes(stations),
-            SurfaceMap::Faces { skin, start, watch } => skin.bytes() + places(start) + watch.bytes(),
-            SurfaceMap::Elements { corners, start, .. } => heap_bytes(corners) + places(start),
+            SurfaceMap::Faces { skin, watch } => skin.bytes() + watch.bytes(),
+            SurfaceMap::Elements { corners, .. } => heap_bytes(corners),
         }
     }
 }
 
-/// Returns the mean position and velocity of an element's corners.
-fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]) -> [[f64; 2]; 2] {
-    let corners = element.inline_map(|n| n as usize);
-    let places = corners.inline_map(|n| nodes[n].place());
-    let speeds = corners.inline_map(velocity);
-    [places, speeds].inline_map(|c| [0, 1].inline_map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k]))))
+/// Returns the mean of a nodal quantity over the corners of an element.
+fn corner_mean(element: [u32; 4], of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let c = element.inline_map(|n| of(n as usize));
+    [0, 1].inline_map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k])))
 }
 
 /// Point of a rigid body that moves along z.
@@ -127,19 +124,16 @@ impl PointBlock {
     }
 
     /// Creates a block of faces of deformable elements, with capacity for `most` faces.
-    pub(super) fn of_faces(mut skin: DeformableFaces, most: usize, nodes: &Nodes) -> PointBlock {
-        let mut start = vec![[0.0; 2]; most];
-        start.iter_mut().zip(&skin.faces).for_each(|(start, face)| *start = CurrentFace::new(*face, nodes).middle());
+    pub(super) fn of_faces(mut skin: DeformableFaces, most: usize) -> PointBlock {
         let watch = StiffnessMonitor::new(most);
         let view = SurfaceView::new(skin.faces.len(), most);
         skin.reserve(most - skin.faces.len());
-        PointBlock { map: SurfaceMap::Faces { skin, start, watch }, view, pressure_before: Vec::new() }
+        PointBlock { map: SurfaceMap::Faces { skin, watch }, view, pressure_before: Vec::new() }
     }
 
-    /// Adds a face that has become exposed, with its initial midpoint.
-    pub(super) fn add_face(&mut self, (face, element): ([usize; 2], usize), middle: [f64; 2]) {
-        let SurfaceMap::Faces { skin, start, .. } = &mut self.map else { return };
-        start[skin.faces.len()] = middle;
+    /// Adds a face that has become exposed.
+    pub(super) fn add_face(&mut self, (face, element): ([usize; 2], usize)) {
+        let SurfaceMap::Faces { skin, .. } = &mut self.map else { return };
         skin.push(face, element);
         self.view.resize(skin.faces.len());
     }
@@ -154,12 +148,11 @@ impl PointBlock {
         }
     }
 
-    pub(super) fn of_elements(load: &UserLoadData, elements: &[[u32; 4]], nodes: &Nodes) -> PointBlock {
+    pub(super) fn of_elements(load: &UserLoadData, elements: &[[u32; 4]]) -> PointBlock {
         let mut view = SurfaceView::new(elements.len(), elements.len());
         (0..elements.len()).for_each(|i| view.set_normal(i, [0.0; 2], false));
-        let start = elements.iter().map(|e| middle(*e, nodes, |_| [0.0; 2])[0]).collect();
         let axis = if load.load_type == 1 { 0 } else { 1 };
-        let map = SurfaceMap::Elements { corners: elements.to_vec(), start, axis };
+        let map = SurfaceMap::Elements { corners: elements.to_vec(), axis };
         PointBlock { map, view, pressure_before: Vec::new() }
     }
 
@@ -292,6 +285,31 @@ impl PointBlock {
         }
     }
 
+    /// Returns the middles of the faces or elements of deformable bodies.
+    pub(super) fn middles(&self, nodes: &Nodes) -> Vec<[f64; 2]> {
+        match &self.map {
+            SurfaceMap::Body { .. } | SurfaceMap::Stations { .. } => Vec::new(),
+            SurfaceMap::Faces { skin, .. } => {
+                skin.faces.iter().map(|face| CurrentFace::new(*face, nodes).middle()).collect()
+            }
+            SurfaceMap::Elements { corners, .. } => {
+                corners.iter().map(|element| corner_mean(*element, |n| nodes[n].place())).collect()
+            }
+        }
+    }
+
+    /// Takes the stiffness that a block of the same load has shown on a previous mesh.
+    pub(super) fn keep_stiffness(&mut self, stiffest: Option<&LoadStiffness>) {
+        if let SurfaceMap::Faces { watch, .. } = &mut self.map {
+            watch.keep(stiffest);
+        }
+    }
+
+    /// Copies the memory of a point from one of the same load on a previous mesh.
+    pub(super) fn continue_point(&mut self, point: usize, previous: &PointBlock, previous_point: usize) {
+        self.view.continue_memory(point, &previous.view, previous_point);
+    }
+
     pub(super) fn stiffness(&self) -> Option<&LoadStiffness> {
         if let SurfaceMap::Faces { watch, .. } = &self.map { watch.stiffest() } else { None }
     }
@@ -302,19 +320,20 @@ impl PointBlock {
         view.clear_pressure();
         match &self.map {
             SurfaceMap::Body { .. } | SurfaceMap::Stations { .. } => {}
-            SurfaceMap::Faces { skin, start, .. } => {
-                for (i, (&face, start)) in skin.faces.iter().zip(start).enumerate() {
+            SurfaceMap::Faces { skin, .. } => {
+                for (i, &face) in skin.faces.iter().enumerate() {
                     let face = CurrentFace::new(face, nodes);
-                    let acceleration = face.mean(|n| nodes.acceleration[n]);
-                    view.set_point(i, face.middle(), *start, face.mean(|n| scene.velocity(n)), acceleration);
+                    let (start, acceleration) = (face.mean(|n| nodes.start[n]), face.mean(|n| nodes.acceleration[n]));
+                    view.set_point(i, face.middle(), start, face.mean(|n| scene.velocity(n)), acceleration);
                     view.set_normal(i, face.normal, load.inward);
                 }
             }
-            SurfaceMap::Elements { corners, start, .. } => {
-                for (i, (&element, start)) in corners.iter().zip(start).enumerate() {
-                    let [place, velocity] = middle(element, nodes, |n| scene.velocity(n));
-                    let acceleration = middle(element, nodes, |n| nodes.acceleration[n])[1];
-                    view.set_point(i, place, *start, velocity, acceleration);
+            SurfaceMap::Elements { corners, .. } => {
+                for (i, &element) in corners.iter().enumerate() {
+                    let [place, start] =
+                        [corner_mean(element, |n| nodes[n].place()), corner_mean(element, |n| nodes.start[n])];
+                    let velocity = corner_mean(element, |n| scene.velocity(n));
+                    view.set_point(i, place, start, velocity, corner_mean(element, |n| nodes.acceleration[n]));
                 }
             }
         }
@@ -428,7 +447,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 impl Persist for SurfaceMap {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        if let SurfaceMap::Faces { skin, start: _, watch } = self {
+        if let SurfaceMap::Faces { skin, watch } = self {
             persist_fields!(archive; skin, watch);
         }
     }

@@ -302,7 +302,10 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
                 state.thermal[lane] += strain;
                 true
             }
-            PointValue::SpecificEnergy(_) | PointValue::Length(..) | PointValue::VolumeRatio(_) => false,
+            PointValue::SpecificEnergy(_)
+            | PointValue::Length(..)
+            | PointValue::VolumeRatio(_)
+            | PointValue::MassScale(_) => false,
         }
     }
 

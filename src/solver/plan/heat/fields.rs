@@ -1,6 +1,6 @@
 //! Predefined fields of the plan: initial nodal values, and `*FIELD` and `*TEMPERATURE` of each step.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 use crate::deck::{Diagnostic, Span};
@@ -106,6 +106,19 @@ fn fields_of_groups(scene: Scene, state: &SolidState, warmed: BTreeSet<usize>) -
         groups: warmed.into_iter().map(with_boundaries).collect(),
     });
     start.into_iter().enumerate().map(of_variable).chain(temperature).collect()
+}
+
+/// Returns whether all prescribed temperatures and field variables, and those at the start, have the same value at the given
+/// nodes (ascending): a mesh may then move through the material.
+pub fn has_uniform_fields(model: &Model, nodes: &[usize]) -> bool {
+    let prescribed = model.steps.iter().flat_map(|step| &step.fields).map(|field| &field.nodes);
+    let is_of_nodes = |kind: &InitialKind| matches!(kind, InitialKind::Temperature(_) | InitialKind::Field(..));
+    let at_start = model.initial_conditions.iter().filter(|c| is_of_nodes(&c.kind)).map(|c| &c.members);
+    prescribed.chain(at_start).all(|list| {
+        let members: HashSet<usize> = list.iter().copied().collect();
+        let count = nodes.iter().filter(|node| members.contains(node)).count();
+        count == 0 || count == nodes.len()
+    })
 }
 
 /// Returns whether `*TEMPERATURE` prescribes the temperature of a node of elements.

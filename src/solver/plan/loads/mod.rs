@@ -35,6 +35,7 @@ use crate::plan::solids::shells::add_masses_of_shells;
 use crate::plan::{Links, PlannedRigidBody, Report, Scene, State};
 use crate::state::EffectId;
 use crate::state::magnitude::{Magnitude, TimeFunction};
+use crate::user::LoadProperties;
 
 /// Names of the components of forces and moments on oblique bodies.
 const COMPONENTS: [&str; 6] = ["F_1", "F_2", "F_3", "M_1", "M_2", "M_3"];
@@ -405,7 +406,7 @@ fn user_body_force(
     let volume = loaded_volume(input, elements, set, if load_type == 1 { 0 } else { 1 }, report)?;
     let count = volume.rigid.len() + volume.cells.len();
     let load = user_load_description(input, ("user body force", count), set, load_type, false, report)?;
-    Some(Box::new(SubroutineLoad::on_volume(load, &volume, &input.state.dofs.nodes)))
+    Some(Box::new(SubroutineLoad::on_volume(load, &volume)))
 }
 
 /// Returns the volume on which a body force along an axis acts. The point of a rigid solid is its centre, its weight
@@ -463,18 +464,24 @@ fn user_load_description(
     let LoadInput { scene, load, .. } = *input;
     let asks = format!("the load on `{name}` is user-defined (PNU)");
     report.require_routine(load.span, "load", &asks, "vdload")?;
-    let routine = report.routines.load.clone()?;
-    if load.magnitude != 1.0 && routine.lock().as_deref_mut().is_some_and(|load| !load.reads_magnitude()) {
+    let properties = load_properties(report)?;
+    if load.magnitude != 1.0 && !properties.reads_magnitude {
         let what = format!("magnitude {} of {}", load.magnitude, kind_name(&load.kind));
         report.add_unused_card(load.span, what, "VDLOAD defines the load; it is not multiplied by the magnitude");
     }
     let detail = format!("on {name}{}", amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, effect, count, "points", detail);
     let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-    let mut locked = routine.lock();
-    let reads_motion = locked.as_deref_mut().is_some_and(|load| load.reads_motion());
-    let memory = locked.as_deref_mut().map_or(0, |load| load.memory());
+    let LoadProperties { reads_motion, memory, .. } = properties;
     Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion, memory })
+}
+
+/// Returns the properties of the user load; a load that a run has locked is not asked again.
+fn load_properties(report: &mut Report) -> Option<LoadProperties> {
+    let ask = || report.routines.load.as_ref()?.lock().as_deref_mut().map(|load| LoadProperties::of(load));
+    let properties = report.routines.load_properties.or(report.shared.load_properties).or_else(ask);
+    report.shared.load_properties = properties;
+    properties
 }
 
 pub fn amplitude_name(model: &Model, load: &Load) -> String {

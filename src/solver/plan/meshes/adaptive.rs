@@ -7,14 +7,15 @@ use crate::adaptive::smoothing::SmoothingWeights;
 use crate::adaptive::transport::TransportOrder;
 use crate::adaptive::{AdaptiveDomain, AdaptiveSettings, DomainBoundary};
 use crate::deck::{Diagnostic, Span};
-use crate::kernel::lists::sorted_pair;
+use crate::kernel::lists::{sorted_pair, sorted_unique};
 use crate::kernel::topology::ElementTopology;
 use crate::model::{
     AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, LoadKind, Model, MotionKind, RegionType, Step,
 };
 use crate::plan::contact::cohesion::cohesive_nodes;
+use crate::plan::heat::fields::has_uniform_fields;
 use crate::plan::loads::magnitude;
-use crate::plan::solids::mass_scaling::constrained_nodes;
+use crate::plan::solids::mass_scaling::{constrained_nodes, scales_equation_of_state};
 use crate::plan::{Links, Pairs, Report, Scene, State};
 
 /// Default of FREQUENCY, and that with Eulerian boundaries or spatial constraints (ABAQUS Keywords Reference Guide,
@@ -163,16 +164,22 @@ fn unsupported_domain(
         let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();
         return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
     }
+    if scales_equation_of_state(scene.model, &sorted_unique(mesh.elements.iter().copied())) {
+        let message = format!("the mass of `{}`, whose material has *EOS, is scaled", mesh.set);
+        return Some((message, "give the mass scaling an ELSET without this domain"));
+    }
     if state.elements.distortion.is_some() {
         let message = "adaptive meshes cannot be combined with DISTORTION CONTROL".into();
         return Some((message, "remove DISTORTION CONTROL from *SECTION CONTROLS; the mesh stays undistorted"));
     }
-    if state.elements.fields.is_some() {
-        let message = "adaptive meshes cannot be combined with prescribed temperatures or field variables".into();
-        return Some((
-            message,
-            "remove *TEMPERATURE and *FIELD: values prescribed at nodes do not follow a mesh that moves",
-        ));
+    let nodes: Vec<usize> =
+        sorted_unique(mesh.elements.iter().flat_map(|e| scene.model.mesh.elements[*e].nodes.iter().copied()));
+    if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &nodes) {
+        let message = format!(
+            "prescribed temperatures or field variables differ between the nodes of `{}`: they do not follow a mesh that moves",
+            mesh.set
+        );
+        return Some((message, "prescribe one value for all nodes of the domain in *TEMPERATURE and *FIELD"));
     }
     None
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
-use crate::model::{AnalyticalFront, AnalyticalSide, Model, Remeshing, SideSelection, SolidSection};
-use crate::plan::meshes::remesh::{RemeshPlan, remeshed_body, unsupported_remeshing};
+use crate::model::{AnalyticalFront, AnalyticalSide, Model, RegionType, Remeshing, SideSelection, SolidSection, Step};
+use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, remeshed_body, unsupported_remeshing};
 
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
@@ -28,8 +28,17 @@ struct WaitingBody {
     group: usize,
     /// Index of its section in the model.
     section: usize,
-    /// Fraction of the largest stable time increment below which it has its first new mesh.
-    limit: f64,
+    /// When it has its first new mesh.
+    trigger: FirstMesh,
+}
+
+/// When a body without a card has its first new mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FirstMesh {
+    /// Its elements are squashed, and the stable time increment is below this fraction of the largest one.
+    Squashed(f64),
+    /// A corner of its adaptive mesh has turned over, and the stable time increment is below this fraction of the largest one.
+    Turned(f64),
 }
 
 impl AutomaticMeshes {
@@ -70,14 +79,17 @@ impl AutomaticMeshes {
             }
             let card = card_of(model, index);
             let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
-            if keeps_mesh(model, &card.elements)
+            let adapts = moves_nodes(model, &card.elements);
+            if contains_any(&model.kept_meshes, &card.elements)
+                || adapts && has_spatial_constraints(model)
                 || unsupported_remeshing(scene, pairs, &card, &body, state, report).is_some()
             {
                 return None;
             }
             let touches = is_in_contact(pairs, &card.elements, &body);
             let limit = if touches { AutomaticMeshes::COLLAPSED_IN_CONTACT } else { AutomaticMeshes::COLLAPSED };
-            Some(WaitingBody { group, section: index, limit })
+            let trigger = if adapts { FirstMesh::Turned(limit) } else { FirstMesh::Squashed(limit) };
+            Some(WaitingBody { group, section: index, trigger })
         });
         let bodies: Vec<WaitingBody> = waiting.collect();
         let shares = || shared.map_or_else(|| Arc::new(model.clone()), Arc::clone);
@@ -89,10 +101,9 @@ impl AutomaticMeshes {
         self.bodies.iter().map(|body| body.group)
     }
 
-    /// Returns the element group of each body, and the fraction of the largest stable time increment below which it has its
-    /// first new mesh.
-    pub fn limits(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.bodies.iter().map(|body| (body.group, body.limit))
+    /// Returns the element group of each body, and when it has its first new mesh.
+    pub fn triggers(&self) -> impl Iterator<Item = (usize, FirstMesh)> {
+        self.bodies.iter().map(|body| (body.group, body.trigger))
     }
 
     /// Returns the model without cards; a shared one is copied first.
@@ -105,6 +116,7 @@ impl AutomaticMeshes {
         let mut model = (*self.model).clone();
         model.remeshings = self.bodies.iter().map(|body| card_of(&self.model, body.section)).collect();
         model.surfaces.fronts = Some(self.fronts.clone());
+        fix_tied_nodes(&mut model);
         model
     }
 
@@ -134,10 +146,21 @@ fn card_of(model: &Model, section: usize) -> Remeshing {
     }
 }
 
-/// Returns whether the deck keeps the mesh of a body, or moves its nodes; `elements` are in ascending order.
-fn keeps_mesh(model: &Model, elements: &[usize]) -> bool {
-    let domains = model.steps.iter().flat_map(|step| &step.adaptive).map(|domain| &domain.elements);
-    domains.chain([&model.kept_meshes]).any(|list| list.iter().any(|e| elements.binary_search(e).is_ok()))
+/// Returns whether an adaptive mesh moves nodes of a body; `elements` are in ascending order.
+fn moves_nodes(model: &Model, elements: &[usize]) -> bool {
+    let mut domains = model.steps.iter().flat_map(|step| &step.adaptive);
+    domains.any(|domain| contains_any(&domain.elements, elements))
+}
+
+/// Returns whether a list contains one of the elements, which are in ascending order.
+fn contains_any(list: &[usize], elements: &[usize]) -> bool {
+    list.iter().any(|e| elements.binary_search(e).is_ok())
+}
+
+/// Returns whether material flows through adaptive meshes that are held in space.
+fn has_spatial_constraints(model: &Model) -> bool {
+    let is_eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
+    model.steps.iter().any(|step| !step.mesh_motions.is_empty() || is_eulerian(step))
 }
 
 /// Returns whether a surface of a body takes part in contact; `elements` are in ascending order.

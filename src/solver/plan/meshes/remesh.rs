@@ -2,13 +2,16 @@
 
 use std::collections::HashSet;
 
-use crate::deck::Diagnostic;
-use crate::kernel::lists::Memory;
+use crate::deck::{Diagnostic, Diagnostics};
+use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
-use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories};
+use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, single_nodes};
 use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
+use crate::plan::constraints::surface_ties::find_attached_nodes;
 use crate::plan::contact::cohesion::cohesive_behaviors;
+use crate::plan::heat::fields::has_uniform_fields;
 use crate::plan::meshes::pieces::parts_in_contact;
+use crate::plan::solids::mass_scaling::scales_equation_of_state;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
@@ -46,8 +49,8 @@ pub struct RemeshedBody {
     pub automatic: bool,
 }
 
-/// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
-const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
+/// User subroutines that continue on new meshes: their state is that of elements, amplitudes and points of loads.
+const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp", "vdload"];
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
@@ -71,9 +74,22 @@ pub fn plan(
         bodies.extend(planned_body(scene.places, card, &body, state, report));
     }
     let mut model = model.clone();
+    fix_tied_nodes(&mut model);
     model.surfaces.fronts = Some(fronts.to_vec());
     model.surfaces.parts.get_or_insert_with(|| parts_in_contact(scene));
     Some(Box::new(RemeshPlan { model, bodies }))
+}
+
+/// Makes the nodes that ties have found those that remain tied, and that no tie moves again.
+pub(super) fn fix_tied_nodes(model: &mut Model) {
+    if model.constraints.ties.is_empty() || !model.constraints.tie_places.is_empty() {
+        return;
+    }
+    let attached = find_attached_nodes(model, &mut Diagnostics::default());
+    for (tie, nodes) in model.constraints.ties.iter_mut().zip(attached) {
+        tie.adjust = false;
+        tie.chosen = Some(sorted_unique(nodes.iter().map(|attached| attached.node)));
+    }
 }
 
 fn planned_body(
@@ -146,9 +162,17 @@ pub(super) fn unsupported_remeshing(
         let message = format!("the material of `{name}` has no equivalent plastic strain (PEEQ)");
         return Some((message, "remove STRAIN CHANGE, or use a material with plasticity"));
     }
+    if scales_equation_of_state(scene.model, &card.elements) {
+        let message = format!("the mass of `{name}`, whose material has *EOS, is scaled");
+        return Some((message, "give the mass scaling an ELSET without this body"));
+    }
     if is_shared(scene.model, body, &card.elements) {
         let message = format!("elements outside `{name}` use nodes of its elements");
         return Some((message, "separate the bodies, with contact between them"));
+    }
+    if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &body.nodes) {
+        let message = format!("prescribed temperatures or field variables differ between the nodes of `{name}`");
+        return Some((message, "prescribe one value for all nodes of the body"));
     }
     let mesh = BodyMesh { quads: body.quads.clone(), ..BodyMesh::default() };
     let boundaries = loops(&mesh);
@@ -161,38 +185,55 @@ pub(super) fn unsupported_remeshing(
         let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
         return Some((message, "request only U, V, A, COORD or NT, a statistic of a set, or a node on the boundary"));
     }
-    let exclusion =
-        excluded_by_model(scene.model, pairs, state, report).or_else(|| excluded_by_nodes(scene.model, &used));
+    if single_nodes(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
+        let message = format!(
+            "a spring, dashpot, point mass, equation, coupling or concentrated load acts on a node inside `{name}`, which a new \
+             mesh does not keep"
+        );
+        return Some((
+            message,
+            "attach it to a node on the boundary of the body, or use *BOUNDARY, pressures or body forces",
+        ));
+    }
+    let exclusion = excluded_by_model(scene, pairs, state, report).or_else(|| excluded_by_nodes(scene, body, &used));
     exclusion.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
 }
 
 /// Returns what in the model excludes new meshes of any body.
-fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Report) -> Option<&'static str> {
-    let (model, elements) = (model, &state.elements);
+fn excluded_by_model(scene: Scene, pairs: &Pairs, state: &State, report: &Report) -> Option<&'static str> {
+    let (model, elements) = (scene.model, &state.elements);
     let loads = || model.steps.iter().flat_map(|step| &step.loads);
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
-    let scales = model.scales_masses();
-    let is_users = |kind: &LoadKind| kind.is_user() || matches!(kind, LoadKind::Cavity { .. });
     let exclusions = [
-        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDLOAD, VDISP and VUCHARLENGTH"),
-        (heats && scales, "mass scaling together with nodal temperatures"),
+        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDISP and VUCHARLENGTH"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
         (elements.rings.is_some(), "WEIGHTING=AREA"),
-        (elements.fields.is_some(), "prescribed temperatures or field variables"),
         (!model.cohesive_sections.is_empty(), "cohesive elements"),
         (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
-        (!model.constraints.ties.is_empty(), "*TIE"),
+        (heats && !model.constraints.ties.is_empty(), "*TIE together with nodal temperatures"),
+        (ties_rigid_bodies(scene), "*TIE at rigid bodies"),
         (!model.targets.is_empty(), "*TARGET"),
-        (loads().any(|load| is_users(&load.kind)), "user-defined loads"),
+        (loads().any(|load| matches!(load.kind, LoadKind::Cavity { .. })), "resistance loads"),
         (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
         (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
     ];
     exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
 }
 
+/// Returns whether a tie has nodes of rigid bodies.
+fn ties_rigid_bodies(scene: Scene) -> bool {
+    let mesh = &scene.model.mesh;
+    let is_rigid = |node: &usize| scene.bodies.of_node.contains_key(node);
+    scene.model.constraints.ties.iter().any(|tie| {
+        let masters = tie.masters.iter().filter_map(|(e, side)| mesh.side_nodes(*e, *side)).flatten();
+        tie.slaves.iter().any(is_rigid) || masters.into_iter().any(|node| is_rigid(&node))
+    })
+}
+
 /// Returns what excludes new meshes at the nodes or elements of a body.
-fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Option<&'static str> {
+fn excluded_by_nodes(scene: Scene, body: &ModelBody, used: &dyn Fn(usize) -> Option<usize>) -> Option<&'static str> {
+    let model = scene.model;
     let requests = model.steps.iter().flat_map(|step| &step.outputs);
     let is_single = |request: &&OutputRequest| {
         let of_elements = request.kind == OutputKind::History && request.card == OutputCard::Element;
@@ -203,22 +244,11 @@ fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Op
         _ => None,
     });
     let mut nodes_of_histories = sets_of_histories.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
-    let pushed = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
-        LoadKind::Concentrated { nodes, .. } => Some(nodes),
-        _ => None,
-    });
-    let terms = model.constraints.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
-    let links = model.constraints.links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
-    let masses = model.discrete.masses.iter().map(|mass| mass.node);
-    let rigid = model.rigid_bodies.iter().flat_map(|body| body.nodes.iter().chain([&body.reference]).copied());
     let is_used = |node: usize| used(node).is_some();
     let exclusions = [
         (nodes_of_histories.any(|node| is_used(*node)), "histories of single elements of the body"),
-        (
-            terms.chain(links).chain(masses).chain(rigid).any(is_used),
-            "equations, couplings, masses and rigid bodies at nodes of the body",
-        ),
-        (pushed.flatten().any(|node| is_used(*node)), "*CLOAD on nodes of the body"),
+        (body.nodes.iter().any(|node| scene.bodies.of_node.contains_key(node)), "rigid bodies at nodes of the body"),
+        (model.constraints.equations.iter().any(|equation| equation.is_thermal()), "*EQUATION between temperatures"),
     ];
     exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
 }

@@ -1,9 +1,11 @@
 //! Mass scaling requests of the plan, and checks for elements that cannot be scaled.
 
+use std::collections::HashSet;
+
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::kernel::topology::ElementTopology;
-use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
+use crate::model::{LoadKind, MassScaling, Model, ScalingSchedule, ScalingType, SolidSection, Step};
 use crate::plan::{Links, Report, StepInput};
 
 /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
@@ -50,8 +52,10 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
         let group = &state.elements.groups[g];
         let name = || scene.element_name((g, e));
         if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
-            refusal =
-                Some(format!("the mass of element {} is part of its material state and cannot be scaled", name()));
+            refusal = Some(format!(
+                "element {} cannot be scaled: explosives and elements with WEIGHTING=AREA keep their mass",
+                name()
+            ));
             break;
         }
     }
@@ -72,6 +76,16 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
     report.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &at_links);
     let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
     Some(ScalingRequest { elements, factor: scaling.factor, aim })
+}
+
+/// Returns whether mass scaling acts on an element of a list (ascending) whose material has an equation of state.
+pub fn scales_equation_of_state(model: &Model, elements: &[usize]) -> bool {
+    let has_eos = |section: &&SolidSection| model.materials[section.material].eos.is_some();
+    let of_eos = model.sections.iter().filter(has_eos).flat_map(|section| &section.elements);
+    let listed: HashSet<usize> = of_eos.filter(|e| elements.binary_search(e).is_ok()).copied().collect();
+    let mut scalings = model.steps.iter().flat_map(|step| &step.mass_scalings);
+    !listed.is_empty()
+        && scalings.any(|s| s.elements.as_ref().is_none_or(|list| list.iter().any(|e| listed.contains(e))))
 }
 
 /// Returns whether each node belongs to a rigid body, an equation or a link. Empty if there are none.
