@@ -185,6 +185,11 @@ fn explosive() -> String {
         .into()
 }
 
+/// Returns a material with these cards.
+fn strong(cards: &str) -> String {
+    format!("*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7.85e-9,\n{cards}")
+}
+
 /// Returns the material of a block whose elements have a variable.
 fn material_with(variable: Variable) -> String {
     match variable {
@@ -198,6 +203,21 @@ fn material_with(variable: Variable) -> String {
         | Variable::ElementDamageEnergy
         | Variable::AllDamageEnergy => damaged(),
         Variable::BurnFraction => explosive(),
+        Variable::Damage | Variable::PlasticCompaction => strong(
+            "*Holmquist Johnson Cook\n 80e3, 0.8, 1.6, 0., 0.6, 400., 40., 1.\n 0.01, 7., 100., 1e-3, 5e3, 0.1, 0.04, 1.\n 2e5, 0., \
+             0., 0.\n",
+        ),
+        Variable::TensionDamage | Variable::CompressionDamage | Variable::TensionPlasticStrain => strong(
+            "*Elastic\n 200e3, 0.3\n*Concrete Damaged Plasticity\n 30.,\n*Concrete Compression Hardening\n 400., 0.\n 400., 0.1\n\
+             *Concrete Tension Stiffening\n 40., 0.\n 4., 0.1\n",
+        ),
+        Variable::CapStrain => {
+            strong("*Elastic\n 200e3, 0.3\n*Cap Plasticity\n 100., 30., 0.5\n*Cap Hardening\n 400., 0.\n 900., 0.1\n")
+        }
+        Variable::VoidVolumeFraction | Variable::RelativeDensity => strong(
+            "*Elastic\n 200e3, 0.3\n*Plastic\n 400., 0.\n*Porous Metal Plasticity, relative density=0.98\n 1.5, 1., 2.25\n",
+        ),
+        Variable::Distension => strong("*Eos, type=USUP\n 5e6, 1.3, 2.\n*Eos Compaction\n 3e6, 0.2, 100., 900.\n"),
         _ => steel(),
     }
 }
