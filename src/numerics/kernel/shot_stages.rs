@@ -491,7 +491,7 @@ mod tests {
                 let scaled = [first.inline_map(|f| f * constant), end[1], last.inline_map(|f| f * square)];
                 vec![ForceStage { length: 0.1, force }, ForceStage { length: f64::INFINITY, force: scaled }]
             };
-            for (speed, duration) in [(300.0, 1.0), (700.0, 1.0), (700.0, 1e-4), (1500.0, 2e-4), (4000.0, 1e-3)] {
+            for (speed, duration) in [(300.0, 1.0), (900.0, 1.0), (700.0, 1e-4), (1500.0, 2e-4), (4000.0, 1e-3)] {
                 let motion = |mass: f64, factors: [f64; 2], speed: f64| {
                     let mut path = ShotPath::new(mass, stages(factors)).expect("a path");
                     path.motion_at(speed, duration).expect("a motion")
