@@ -312,7 +312,8 @@ fn eroded_mass_contains_no_scaled_mass() {
 
 /// Scaled masses do not change the density of an equation of state: elements that are compressed by 5 % in a smooth step have
 /// the pressure without scaling, to 1e-5 (increments are up to three times as long), and that of the isentrope, `rho0 c0² eta / (1 - s eta)²` within the thermal part of
-/// third order, 1e-3. The increments are longer by the root of the factor.
+/// third order, 1e-3. The increments are longer by the root of the factor. A target is reached to 6 % (-4.7 %): the rate from which
+/// the factor follows has no viscosity of hourglass patterns.
 #[test]
 fn equations_of_state_have_the_density_without_scaling() {
     let deck = |cards: &str| {
@@ -334,18 +335,15 @@ fn equations_of_state_have_the_density_without_scaling() {
     let eta = 0.05;
     let isentrope = 8.93e-9 * 3.94e6 * 3.94e6 * eta / f64::powi(1.0 - 1.489 * eta, 2);
     assert!((plain / isentrope - 1.0).abs() < 1e-3, "{plain} {isentrope}");
-    for (cards, ratio) in
-        [("*Fixed Mass Scaling, factor=9.\n", 3.0), ("*Variable Mass Scaling, factor=9., frequency=10\n", 3.0)]
-    {
-        let (scaled, longer) = pressure(cards);
-        println!(
-            "{cards}: pressure {:.1e} apart, increment {:.6} times as long",
-            scaled / plain - 1.0,
-            longer / increment
-        );
-        assert!((scaled / plain - 1.0).abs() < 1e-5 && (longer / increment / ratio - 1.0).abs() < 1e-2);
+    let dt = 2.0 * increment;
+    for (cards, [ratio, tolerance]) in [
+        ("*Fixed Mass Scaling, factor=9.\n".to_string(), [3.0, 1e-9]),
+        (format!("*Fixed Mass Scaling, type=UNIFORM, dt={dt:e}\n"), [2.0, 0.06]),
+        (format!("*Variable Mass Scaling, type=UNIFORM, dt={dt:e}, frequency=10\n"), [2.0, 0.06]),
+    ] {
+        let (scaled, longer) = pressure(&cards);
+        let (apart, reached) = (scaled / plain - 1.0, longer / increment / ratio - 1.0);
+        println!("{cards}: pressure {apart:.1e} apart, increment {reached:.1e} from the expected one");
+        assert!(apart.abs() < 1e-5 && reached.abs() < tolerance, "{apart:e} {reached:e}");
     }
-    let (scaled, longer) = pressure(&format!("*Fixed Mass Scaling, type=UNIFORM, dt={:e}\n", 2.0 * increment));
-    println!("uniform: pressure {:.1e} apart, increment {:.6} times as long", scaled / plain - 1.0, longer / increment);
-    assert!((scaled / plain - 1.0).abs() < 1e-5 && (longer / increment / 2.0 - 1.0).abs() < 2e-2);
 }

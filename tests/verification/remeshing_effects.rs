@@ -275,9 +275,9 @@ fn prescribed_temperatures_continue() {
     let deck = |cards: &str, in_step: &str| {
         let places = |i: usize, j: usize| {
             let inside = (1..4).contains(&i) && (1..8).contains(&j);
-            [0.25 * i as f64 + if inside && j % 2 == 1 { 0.15 } else { 0.0 }, 0.25 * j as f64]
+            [0.25 * i as f64 + if inside && j % 2 == 1 { 0.17 } else { 0.0 }, 0.25 * j as f64]
         };
-        crate::common::solid::grid(4, 8, false, places)
+        common::solid::grid(4, 8, false, places)
             + "*Nset, nset=TIP\n 45,\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7.85e-9,\n*Elastic\n \
                200e3, .3\n*Expansion, zero=20.\n 2e-5,\n*Amplitude, name=A, definition=SMOOTH STEP\n 0., 20., 2e-5, 420., 4e-5, \
                420.\n*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n"

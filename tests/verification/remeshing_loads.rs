@@ -174,7 +174,8 @@ fn user_loads_continue() {
 fn tied_cylinders(cards: &str) -> String {
     let lower = part("LOWER", [8, 16], |i, j| [0.125 * i as f64, 0.125 * j as f64], "");
     // Inner nodes of the second cylinder are displaced, so that its angles request a new mesh.
-    let zigzag = |i: usize, j: usize| if j % 2 == 0 || j == 9 { 0.0 } else { 0.15 * (PI * i as f64 / 6.0).sin() };
+    let zigzag =
+        |i: usize, j: usize| if j.is_multiple_of(2) || j == 9 { 0.0 } else { 0.15 * (PI * i as f64 / 6.0).sin() };
     let upper = part("UPPER", [6, 9], |i, j| [i as f64 / 6.0 + zigzag(i, j), HEIGHT + HEIGHT * j as f64 / 9.0], "");
     let yields = "*Plastic\n 200., 0.\n 300., 1.\n";
     lower

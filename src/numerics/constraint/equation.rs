@@ -29,7 +29,7 @@ impl EquationConstraint {
     }
 
     /// Projects velocities at the first instant of a new mesh onto the equations. The impulses between the nodes conserve
-    /// momentum.
+    /// momentum. Equation (18.12a).
     pub fn project_velocities(&mut self, dofs: &mut Dofs) {
         self.update_masses(dofs);
         self.hold_velocities(dofs, 0.0, 0.0);
