@@ -187,7 +187,7 @@ fn explosive() -> String {
 
 /// Returns a material with these cards.
 fn strong(cards: &str) -> String {
-    format!("*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7.85e-9,\n{cards}")
+    format!("*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n{cards}")
 }
 
 /// Returns the material of a block whose elements have a variable.
@@ -204,20 +204,20 @@ fn material_with(variable: Variable) -> String {
         | Variable::AllDamageEnergy => damaged(),
         Variable::BurnFraction => explosive(),
         Variable::Damage | Variable::PlasticCompaction => strong(
-            "*Holmquist Johnson Cook\n 80e3, 0.8, 1.6, 0., 0.6, 400., 40., 1.\n 0.01, 7., 100., 1e-3, 5e3, 0.1, 0.04, 1.\n 2e5, 0., \
+            "*Holmquist Johnson Cook\n 400., 0.8, 1.6, 0., 0.6, 2., 0.2, 1.\n 0.01, 7., 0.5, 5e-4, 25., 0.1, 0.04, 1.\n 1e3, 0., \
              0., 0.\n",
         ),
         Variable::TensionDamage | Variable::CompressionDamage | Variable::TensionPlasticStrain => strong(
-            "*Elastic\n 200e3, 0.3\n*Concrete Damaged Plasticity\n 30.,\n*Concrete Compression Hardening\n 400., 0.\n 400., 0.1\n\
-             *Concrete Tension Stiffening\n 40., 0.\n 4., 0.1\n",
+            "*Elastic\n 1e3, 0.3\n*Concrete Damaged Plasticity\n 30.,\n*Concrete Compression Hardening\n 2., 0.\n 2., 0.1\n\
+             *Concrete Tension Stiffening\n 0.2, 0.\n 0.02, 0.1\n",
         ),
         Variable::CapStrain => {
-            strong("*Elastic\n 200e3, 0.3\n*Cap Plasticity\n 100., 30., 0.5\n*Cap Hardening\n 400., 0.\n 900., 0.1\n")
+            strong("*Elastic\n 1e3, 0.3\n*Cap Plasticity\n 1., 30., 0.5\n*Cap Hardening\n 2., 0.\n 9., 0.1\n")
         }
         Variable::VoidVolumeFraction | Variable::RelativeDensity => strong(
-            "*Elastic\n 200e3, 0.3\n*Plastic\n 400., 0.\n*Porous Metal Plasticity, relative density=0.98\n 1.5, 1., 2.25\n",
+            "*Elastic\n 1e3, 0.3\n*Plastic\n 1., 0.\n*Porous Metal Plasticity, relative density=0.98\n 1.5, 1., 2.25\n",
         ),
-        Variable::Distension => strong("*Eos, type=USUP\n 5e6, 1.3, 2.\n*Eos Compaction\n 3e6, 0.2, 100., 900.\n"),
+        Variable::Distension => strong("*Eos, type=USUP\n 22., 1.3, 2.\n*Eos Compaction\n 15., 0.2, 0.5, 9.\n"),
         _ => steel(),
     }
 }

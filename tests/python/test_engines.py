@@ -426,13 +426,17 @@ def test_umbridge_clients_get_depths(folder: Path, deck: rv.Deck) -> None:
                     time.sleep(0.05)
             (script,) = code("engines.md", "## UM-Bridge")
             names: dict[str, Any] = {"umbridge": umbridge}
-            setup, call = script.replace("4242", str(port)).rsplit("\n", 1)
+            setup, call, gradient = script.replace("4242", str(port)).rsplit("\n", 2)
             exec(setup, names)  # noqa: S102
             depth = names["depth"]
             call, documented = call.split("#")
             shot = rv.sampler(deck, ["V", "friction"], DEPTH)
             assert eval(call, names) == [shot([700.0, 0.02]).tolist()]
             assert str(eval(call, names)).startswith(documented.strip().split("...")[0])
+            gradient, documented = gradient.split("#")
+            assert str(eval(gradient, names)).startswith(documented.strip().split("...")[0])
+            [[further]], [[before]] = shot([700.7, 0.02]).reshape(1, 1), shot([699.3, 0.02]).reshape(1, 1)
+            assert eval(gradient, names)[0] == pytest.approx((further - before) / 1.4, rel=1e-4)
             assert depth.get_input_sizes() == [2]
             assert depth.get_output_sizes() == [1]
             # A failed shot: JSON has no NaN.

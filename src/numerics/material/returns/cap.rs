@@ -36,7 +36,7 @@ enum Surface {
 
 /// Point of the yield surface at a pressure.
 #[derive(Clone, Copy)]
-struct SurfacePoint {
+struct CapPoint {
     surface: Surface,
     /// Von Mises stress.
     mises: f64,
@@ -62,7 +62,7 @@ impl CapPlasticity {
 
     /// Returns the point of the yield surface at a pressure and a yield pressure pb. Equation (20.12). The
     /// region below the arc of the transition is elastic: the lower half of that circle is no part of the surface.
-    fn surface(&self, pressure: f64, yield_pressure: f64) -> SurfacePoint {
+    fn surface(&self, pressure: f64, yield_pressure: f64) -> CapPoint {
         let (tangent, alpha) = (self.friction, self.transition);
         let secant = (1.0 + tangent * tangent).sqrt(); // 1/cos(beta)
         let shape = 1.0 + alpha - alpha * secant; // m
@@ -73,16 +73,16 @@ impl CapPlasticity {
             let axis = self.eccentricity * height;
             let mises = shape / self.eccentricity * (axis * axis - distance * distance).max(0.0).sqrt();
             let ratio = shape / self.eccentricity;
-            return SurfacePoint { surface: Surface::Cap, mises, slope: ratio * ratio * distance };
+            return CapPoint { surface: Surface::Cap, mises, slope: ratio * ratio * distance };
         }
         let slope = (shape * tangent) * (shape * tangent) * distance;
         let radius = alpha * height;
         if distance <= -radius * tangent / secant {
             let mises = (self.cohesion + pressure * tangent).max(0.0);
-            return SurfacePoint { surface: Surface::Failure, mises, slope };
+            return CapPoint { surface: Surface::Failure, mises, slope };
         }
         let rise = (radius * radius - distance * distance).max(0.0).sqrt();
-        SurfacePoint { surface: Surface::Transition, mises: (1.0 - alpha * secant) * height + rise, slope }
+        CapPoint { surface: Surface::Transition, mises: (1.0 - alpha * secant) * height + rise, slope }
     }
 
     /// Returns the pressure p = `factor` pb + `offset` at which the compaction is that of the elastic path, exactly.
@@ -148,7 +148,7 @@ impl StressReturn for CapPlasticity {
             self.surface(pressure, self.hardening.value(compaction_before + (trial.pressure - pressure) / bulk))
         };
         let mismatch = |pressure: f64| {
-            let SurfacePoint { mises, slope, .. } = surface(pressure);
+            let CapPoint { mises, slope, .. } = surface(pressure);
             3.0 * shear * (trial.pressure - pressure) * mises - bulk * (trial.mises - mises) * slope
         };
         let [factor, offset] = [self.cap_centre(1.0) - self.cap_centre(0.0), self.cap_centre(0.0)];

@@ -117,7 +117,7 @@ struct PathState {
 }
 
 /// Trial stress of an increment, with what is constant on its path of return.
-struct Increment<'a> {
+struct ReturnIncrement<'a> {
     law: &'a DruckerPrager,
     trial: TrialStress,
     strain_before: f64,
@@ -196,9 +196,9 @@ impl DruckerPrager {
     }
 }
 
-impl Increment<'_> {
-    fn new(law: &DruckerPrager, trial: TrialStress, strain_before: f64, dt: f64) -> Increment<'_> {
-        let mut increment = Increment { law, trial, strain_before, dt, direction: [0.0; 4], longest: 0.0 };
+impl ReturnIncrement<'_> {
+    fn new(law: &DruckerPrager, trial: TrialStress, strain_before: f64, dt: f64) -> ReturnIncrement<'_> {
+        let mut increment = ReturnIncrement { law, trial, strain_before, dt, direction: [0.0; 4], longest: 0.0 };
         if let (DruckerPragerShape::Linear { ratio, .. }, true) = (law.shape, trial.mises > 0.0) {
             let (s, q) = (trial.deviator, trial.mises);
             let (sum, difference) = (0.5 * (1.0 + 1.0 / ratio), 0.5 * (1.0 - 1.0 / ratio));
@@ -218,7 +218,7 @@ impl Increment<'_> {
 
     /// Returns the state at a share of the path that is left: 1 for the trial. Equation (20.8).
     fn along(&self, share: f64) -> PathState {
-        let Increment { law, trial, direction, .. } = self;
+        let ReturnIncrement { law, trial, direction, .. } = self;
         let ElasticModuli { bulk, shear } = law.moduli;
         let (multiplier, deviator) = if let DruckerPragerShape::Linear { .. } = law.shape {
             let multiplier = (1.0 - share) * self.longest;
@@ -247,7 +247,7 @@ impl Increment<'_> {
 
     /// Returns the state at the apex: the pressure alone returns. Equation (20.10).
     fn at_apex(&self) -> PathState {
-        let Increment { law, trial, .. } = self;
+        let ReturnIncrement { law, trial, .. } = self;
         let state = |pressure: f64| {
             let slope = law.moduli.bulk * law.dilatancy;
             let multiplier = if slope > 0.0 { (pressure - trial.pressure) / slope } else { 0.0 };
@@ -308,7 +308,7 @@ impl StressReturn for DruckerPrager {
         }
         // The smooth potential reaches all pressures before the von Mises stress vanishes, the linear one does not.
         let smallest = if self.rounding() > 0.0 { 1e-12 } else { 0.0 };
-        let increment = Increment::new(self, trial, point.state[STRAIN], point.dt);
+        let increment = ReturnIncrement::new(self, trial, point.state[STRAIN], point.dt);
         let share = if trial.mises <= 1e-12 * size {
             None
         } else {
@@ -323,7 +323,7 @@ impl StressReturn for DruckerPrager {
 
 #[cfg(test)]
 mod tests {
-    use super::{DruckerPrager, DruckerPragerShape, Increment, Invariants, YieldTest};
+    use super::{DruckerPrager, DruckerPragerShape, Invariants, ReturnIncrement, YieldTest};
     use crate::kernel::hardening::LinearTable;
     use crate::kernel::moduli::ElasticModuli;
     use crate::material::returns::law::{ReturnPoint, StressReturn, TrialStress};
@@ -399,7 +399,7 @@ mod tests {
         let ratio = 0.8;
         let law = law(DruckerPragerShape::Linear { friction: 0.9, ratio });
         let trial = TrialStress::of([1.0, -2.0, 0.4, 0.7]);
-        let increment = Increment::new(&law, trial, 0.0, 1.0);
+        let increment = ReturnIncrement::new(&law, trial, 0.0, 1.0);
         let measure = |deviator: [f64; 4]| Invariants::of(0.0, deviator, law.shape).measure(ratio);
         for i in 0..4 {
             let difference = |step: f64| {

@@ -2,7 +2,7 @@
 //! 157; ABAQUS Analysis User's Guide, "Porous metal plasticity").
 
 use super::law::{ReturnPoint, StressReturn, TrialStress};
-use super::porous_return::{Increment, TOLERANCE};
+use super::porous_return::{PorousIncrement, TOLERANCE};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
@@ -112,8 +112,13 @@ impl StressReturn for PorousMetal {
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
         let strain = point.state[STRAIN];
         let yield_stress = self.hardening.value(strain);
-        let before =
-            Increment { strain, voids: point.state[VOIDS], yield_stress, mises: trial.mises, mean: -trial.pressure };
+        let before = PorousIncrement {
+            strain,
+            voids: point.state[VOIDS],
+            yield_stress,
+            mises: trial.mises,
+            mean: -trial.pressure,
+        };
         let first = self.trial(&before);
         // A NaN is not returned, so that the run halts.
         if first.excess.is_nan() || first.excess <= TOLERANCE {
@@ -191,7 +196,7 @@ mod tests {
             let end = TrialStress::of(stress);
             let [voids, yield_stress] = [state[VOIDS], law.hardening.value(state[STRAIN])];
             let before =
-                Increment { strain: state[STRAIN], yield_stress, voids, mises: end.mises, mean: -end.pressure };
+                PorousIncrement { strain: state[STRAIN], yield_stress, voids, mises: end.mises, mean: -end.pressure };
             let excess = law.trial(&before).excess;
             assert!(excess.abs() < 1e-6 && state[STRAIN] > 0.0, "{volume} {shear}: {excess}");
             assert_eq!(deleted, voids >= 0.25);

@@ -15,7 +15,7 @@ pub(super) const TOLERANCE: f64 = 1e-8;
 const LARGEST_RATIO: f64 = 20.0;
 
 /// Plastic strain and yield stress of the matrix and void volume fraction before an increment; invariants of the trial.
-pub(super) struct Increment {
+pub(super) struct PorousIncrement {
     pub strain: f64,
     pub yield_stress: f64,
     pub voids: f64,
@@ -47,7 +47,7 @@ pub(super) struct Flowed {
 impl PorousMetal {
     /// Returns the state after an increment. `flow` is the trial over the final von Mises stress, less 1: 6 G/y² times
     /// the plastic multiplier. Equation (20.30).
-    pub(super) fn flowed(&self, before: &Increment, flow: f64, dilation: f64) -> Flowed {
+    pub(super) fn flowed(&self, before: &PorousIncrement, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
         let work = (mises * (before.mises - mises) / (3.0 * self.moduli.shear) + mean * dilation).max(0.0);
@@ -85,8 +85,8 @@ impl PorousMetal {
     }
 
     /// Returns the state of the trial, without nucleation: [`Self::flowed`] without flow, but faster.
-    pub(super) fn trial(&self, before: &Increment) -> Flowed {
-        let &Increment { strain, yield_stress, voids, mises, mean } = before;
+    pub(super) fn trial(&self, before: &PorousIncrement) -> Flowed {
+        let &PorousIncrement { strain, yield_stress, voids, mises, mean } = before;
         let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
         let effective = self.effective(voids);
         let excess = self.excess(mises / yield_stress, effective[0], cosh);
@@ -111,7 +111,7 @@ impl PorousMetal {
     }
 
     /// Returns the state on the yield surface by Newton's method from the trial; `None` if it does not converge.
-    pub(super) fn newton(&self, before: &Increment, trial: Flowed) -> Option<Flowed> {
+    pub(super) fn newton(&self, before: &PorousIncrement, trial: Flowed) -> Option<Flowed> {
         let [q1, q2, q3] = self.constants;
         let ElasticModuli { bulk, shear } = self.moduli;
         let largest = before.mean / bulk;
@@ -161,7 +161,7 @@ impl PorousMetal {
     }
 
     /// Returns the state on the yield surface for any increment.
-    pub(super) fn bracketed(&self, before: &Increment) -> Flowed {
+    pub(super) fn bracketed(&self, before: &PorousIncrement) -> Flowed {
         let largest = before.mean / self.moduli.bulk;
         let sign = if largest < 0.0 { -1.0 } else { 1.0 };
         let along = |flow: f64| {

@@ -66,6 +66,7 @@ impl AutomaticMeshes {
             || model.surfaces.fronts.is_some()
             || !model.erosions.is_empty()
             || !report.called_routines.is_empty()
+            || model.steps.iter().flat_map(|step| &step.loads).any(|load| load.kind.is_user())
             || state.heat().is_some()
             || model.steps.iter().all(|step| step.increment.is_fixed());
         if excludes {

@@ -8,6 +8,7 @@ pub mod mass_scaling;
 pub mod shells;
 pub mod soft_material;
 pub mod solid_material;
+pub mod solid_properties;
 pub mod strength;
 pub mod user_material;
 

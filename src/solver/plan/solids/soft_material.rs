@@ -10,7 +10,7 @@ use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
 use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RateDependence};
 use crate::plan::Report;
-use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
+use crate::plan::solids::solid_properties::{SolidProperties, rate_factor};
 
 /// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475
 /// (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).

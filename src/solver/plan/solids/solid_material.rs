@@ -7,7 +7,7 @@ use crate::element::constants::{ElementConstants, HourglassControl};
 use crate::element::group::ElementGroup;
 use crate::element::solid_groups::{Connectivity, GroupOptions, HardeningLaw, SolidMaterial, create_group};
 use crate::kernel::bulk_viscosity::BulkViscosity;
-use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield, TableOverTemperature};
+use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, StaticYield, TableOverTemperature};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
@@ -29,6 +29,7 @@ use crate::model::{
     StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
+use crate::plan::solids::solid_properties::{SolidProperties, blocks, rate_factor};
 use crate::plan::solids::strength::{moduli_of_law, spalling_law, spalls, strength_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{GroupInput, Report};
@@ -61,24 +62,6 @@ const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
     MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },
 ];
-
-/// Properties of a solid section that the selection of its law takes into account.
-pub struct SolidProperties<'a> {
-    pub material: &'a MaterialDefinition,
-    /// Span of the section.
-    pub span: Span,
-    pub constants: ElementConstants,
-    /// Largest square root of the section area of an element, length.
-    pub longest: f64,
-    density: f64,
-    pub heats: bool,
-    /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
-    deletion_margin: f64,
-    /// Whether failed elements are kept.
-    pub keep_elements: bool,
-    /// Absolute zero on the temperature scale of the model.
-    absolute_zero: f64,
-}
 
 pub fn solid_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
@@ -691,17 +674,6 @@ pub fn yield_stress(
     Some(FlowStress { base, factor: rate_factor(material.rate.as_ref()) })
 }
 
-pub fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
-    match rate? {
-        RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
-        RateDependence::PowerLaw(rows) => {
-            let over = |i: usize| LinearTable { rows: rows.iter().map(|r| [r[i], r[2]]).collect() };
-            Some(RateFactor::PowerLaw { d: over(0), n: over(1) })
-        }
-        RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(TableOverTemperature { tables: blocks(rows) })),
-    }
-}
-
 /// Returns the largest moduli of a table. The linear interpolation between its rows does not exceed them.
 fn stiffest(rows: &[Vec<f64>]) -> ElasticModuli {
     let moduli = rows.iter().map(|row| ElasticModuli::from_young(row[0], row[1]));
@@ -738,19 +710,6 @@ fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, LinearTable)>, &'static str> {
         return Err("plastic strains must start at 0 and ascend");
     }
     Ok(tables)
-}
-
-/// Splits rows of a value, its abscissa and temperature (NaN if absent) into one table for each consecutive
-/// temperature.
-fn blocks(rows: &[[f64; 3]]) -> Vec<(f64, LinearTable)> {
-    let mut tables: Vec<(f64, LinearTable)> = Vec::new();
-    for [value, at, temperature] in rows {
-        match tables.last_mut() {
-            Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*value, *at]),
-            _ => tables.push((*temperature, LinearTable { rows: vec![[*value, *at]] })),
-        }
-    }
-    tables
 }
 
 /// Plastic strain up to which a yield stress is extrapolated; beyond any strain of a simulation.

@@ -18,7 +18,7 @@ use crate::model::{
 };
 use crate::plan::Report;
 use crate::plan::solids::concrete::concrete_law;
-use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
+use crate::plan::solids::solid_properties::{SolidProperties, rate_factor};
 
 /// A law from the cards of a material.
 pub struct StrengthLaw {

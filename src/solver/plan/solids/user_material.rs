@@ -19,8 +19,9 @@ use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVaria
 use crate::plan::queries::field_variables;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
-    bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, rate_factor, yield_stress,
+    bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, yield_stress,
 };
+use crate::plan::solids::solid_properties::rate_factor;
 use crate::plan::{GroupInput, Report, Scene};
 use crate::user::{MaterialLaw, PointQuantity};
 

@@ -1,0 +1,49 @@
+//! What the selection of the law of a solid section depends on, and the rate factors that several laws have.
+
+use crate::deck::Span;
+use crate::element::constants::ElementConstants;
+use crate::kernel::hardening::{LinearTable, RateFactor, TableOverTemperature};
+use crate::model::{MaterialDefinition, RateDependence};
+
+/// Properties of a solid section that the selection of its law takes into account.
+pub struct SolidProperties<'a> {
+    pub material: &'a MaterialDefinition,
+    /// Span of the section.
+    pub span: Span,
+    pub constants: ElementConstants,
+    /// Largest square root of the section area of an element, length.
+    pub longest: f64,
+    pub density: f64,
+    pub heats: bool,
+    /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
+    pub deletion_margin: f64,
+    /// Whether failed elements are kept.
+    pub keep_elements: bool,
+    /// Absolute zero on the temperature scale of the model.
+    pub absolute_zero: f64,
+}
+
+/// Returns the factor of a rate dependence on the yield stress; `None` without one.
+pub fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
+    match rate? {
+        RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
+        RateDependence::PowerLaw(rows) => {
+            let over = |i: usize| LinearTable { rows: rows.iter().map(|r| [r[i], r[2]]).collect() };
+            Some(RateFactor::PowerLaw { d: over(0), n: over(1) })
+        }
+        RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(TableOverTemperature { tables: blocks(rows) })),
+    }
+}
+
+/// Splits rows of a value, its abscissa and temperature (NaN if absent) into one table for each consecutive
+/// temperature.
+pub fn blocks(rows: &[[f64; 3]]) -> Vec<(f64, LinearTable)> {
+    let mut tables: Vec<(f64, LinearTable)> = Vec::new();
+    for [value, at, temperature] in rows {
+        match tables.last_mut() {
+            Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*value, *at]),
+            _ => tables.push((*temperature, LinearTable { rows: vec![[*value, *at]] })),
+        }
+    }
+    tables
+}
