@@ -245,7 +245,12 @@ fn excluded_by_nodes(scene: Scene, body: &ModelBody, used: &dyn Fn(usize) -> Opt
     });
     let mut nodes_of_histories = sets_of_histories.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
     let is_used = |node: usize| used(node).is_some();
+    // A new node between two of them would not follow.
+    let terms = model.constraints.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
+    let mut linked =
+        model.constraints.links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
     let exclusions = [
+        (terms.clone().any(is_used) || linked.any(is_used), "*EQUATION, *MPC and *COUPLING at nodes of the body"),
         (nodes_of_histories.any(|node| is_used(*node)), "histories of single elements of the body"),
         (body.nodes.iter().any(|node| scene.bodies.of_node.contains_key(node)), "rigid bodies at nodes of the body"),
         (model.constraints.equations.iter().any(|equation| equation.is_thermal()), "*EQUATION between temperatures"),

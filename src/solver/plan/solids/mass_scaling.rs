@@ -53,7 +53,7 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
         let name = || scene.element_name((g, e));
         if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
             refusal = Some(format!(
-                "element {} cannot be scaled: explosives and elements with WEIGHTING=AREA keep their mass",
+                "element {} cannot be scaled: explosives, materials with *EOS COMPACTION and elements with WEIGHTING=AREA keep their mass",
                 name()
             ));
             break;
