@@ -1,6 +1,7 @@
 //! Tables of concrete damaged plasticity: stress and damage over plastic strain, from the rows of the cards.
 
 use crate::kernel::hardening::interpolate;
+use crate::kernel::lanes::InlineMap;
 
 /// Largest damage.
 pub const LARGEST_DAMAGE: f64 = 0.99;
@@ -105,7 +106,7 @@ impl ConcreteTable {
     pub fn check(&self, length: f64) -> Result<(), String> {
         let scale = self.scale(length);
         for [a, b] in self.curves.iter().flat_map(|rows| rows.windows(2)).map(|pair| [pair[0], pair[1]]) {
-            let [first, next] = [a, b].map(|row| row.abscissa * scale - row.elastic);
+            let [first, next] = [a, b].inline_map(|row| row.abscissa * scale - row.elastic);
             if next <= first {
                 let abscissae = format!("{} to {}", a.abscissa, b.abscissa);
                 let lengths = match self.abscissa {

@@ -23,7 +23,7 @@ pub mod spall;
 use super::carried::CarriedState;
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{LANES, Lanes, column};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column};
 use crate::kernel::stress::mises;
 use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
@@ -62,7 +62,7 @@ impl Material for ReturnMaterial {
 
     fn initial_state(&self, start: &BlockStart) -> ReturnState {
         let states = self.law.initial_state().into_iter().map(|value| [value; LANES]).collect();
-        let length = start.area.map(f64::sqrt);
+        let length = start.area.inline_map(f64::sqrt);
         ReturnState { states, angle: [0.0; LANES], active: [1.0; LANES], length, volume: start.volume }
     }
 
@@ -112,13 +112,13 @@ impl Material for ReturnMaterial {
             let ReturnPoint { strain: increment, moduli, plastic, compacted, lost, .. } = point;
             let deleted = point.deleted && !self.keeps_elements;
             let new = if deleted { [0.0; 4] } else { point.stress };
-            let both = std::array::from_fn(|i| 0.5 * (carried[i] + new[i]));
+            let both = [0, 1, 2, 3].inline_map(|i: usize| 0.5 * (carried[i] + new[i]));
             let (volume, work) = (strain.volume[l], contraction(both, increment));
             update.internal[l] += volume * work;
             if deleted {
                 // The force of the element ends with its stress: its elastic energy and the work of the increment are lost.
-                let previous: [f64; MOST_STATES] =
-                    std::array::from_fn(|i| state.states.get(i).map_or(0.0, |list| list[l]));
+                let mut previous = [0.0; MOST_STATES];
+                previous.iter_mut().zip(&state.states).for_each(|(value, list)| *value = list[l]);
                 let lost = volume * (work + self.law.recoverable_energy(carried, &previous[..count]));
                 update.dissipated[l] += lost;
                 update.damaged[l] += lost;

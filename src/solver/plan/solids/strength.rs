@@ -207,7 +207,7 @@ fn johnson_holmquist(constants: &[f64], span: Span) -> Result<JohnsonHolmquist, 
     // The scripts that write the card leave limits empty that do not apply.
     let limit = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
     let positive = [(shear, "G"), (phel, "PHEL"), (hel - phel, "HEL - PHEL"), (k1, "K1"), (rate, "reference rate")];
-    if let Some((value, name)) = positive.iter().find(|(value, _)| !(*value > 0.0)) {
+    if let Some((value, name)) = positive.iter().find(|(value, _)| *value <= 0.0 || value.is_nan()) {
         return fault(span, format!("{name} of ABQ_JH2 must be positive, found {value}"), "");
     }
     if !(0.0..=1.0).contains(&bulking) || tension < 0.0 {
