@@ -45,7 +45,7 @@ impl ConcreteSurface {
         ConcreteSurface { pressure, meridian, scale: 1.0 / (1.0 - pressure) }
     }
 
-    /// Returns (q - 3 A p + B <s> - C <-s>)/(1 - A) - sc with B = sc/st (1 - A) - (1 + A), from pressure p, von Mises
+    /// Returns `(q - 3 A p + B <s> - C <-s>)/(1 - A) - sc` with `B = sc/st (1 - A) - (1 + A)`, from pressure p, von Mises
     /// stress q, largest principal stress s, and strengths sc and st (Lubliner and others 1989). Equation (20.14).
     #[inline]
     pub fn value(self, [pressure, mises, largest]: [f64; 3], [compression, tension]: [f64; 2]) -> f64 {
