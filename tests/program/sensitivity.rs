@@ -155,7 +155,7 @@ fn taylor_bar_matches_reference() {
     assert!((slope - 5.778).abs() < uncertainty && uncertainty < 0.02 * slope, "{parameter}");
 }
 
-/// The velocity of a rod behind a plate whose elements are deleted follows no smooth curve. Source: its scatter over 60
+/// The velocity of a rod after it has perforated a plate whose elements are deleted follows no smooth curve. Source: its scatter over 60
 /// friction coefficients within 6 % exceeds the trend.
 #[test]
 fn derivatives_below_the_noise_are_left_out() {

@@ -4,10 +4,11 @@
 use super::context::Context;
 use super::families::{DerivationRequest, MaterialReader};
 use super::types::{
-    CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation, StrengthCards,
+    CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation, StrengthCards, tangent,
 };
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
+use crate::material::returns::drucker_prager::{DruckerPragerShape, YieldTest};
 use crate::resistance::fit::FitWeight;
 use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
 use crate::resistance::{
@@ -150,14 +151,10 @@ fn strength_over_pressure(material: &MaterialDefinition) -> Result<Option<Streng
     if material.rate.is_some() {
         return Err(unsupported(material, "*DRUCKER PRAGER with *RATE DEPENDENT"));
     }
-    let [angle, ratio, _] = card.row;
-    let (slope, inverse) = (libm::tan(angle.to_radians()), if ratio == 0.0 { 1.0 } else { 1.0 / ratio });
-    let cohesion = match hardening.test {
-        0 => 1.0 - slope / 3.0,
-        1 => inverse + slope / 3.0,
-        _ => 0.5 * 3.0_f64.sqrt() * (1.0 + inverse),
-    };
-    Ok(Some(StrengthOverPressure { cohesion: cohesion * yield_stress, slope }))
+    let [angle, _, _] = card.row;
+    let slope = tangent(angle);
+    let shape = DruckerPragerShape::Linear { friction: slope, ratio: card.ratio() };
+    Ok(Some(StrengthOverPressure { cohesion: shape.strength(YieldTest::ALL[hardening.test], *yield_stress), slope }))
 }
 
 fn unsupported(material: &MaterialDefinition, what: &str) -> Diagnostic {

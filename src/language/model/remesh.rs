@@ -139,11 +139,16 @@ pub fn required_nodes(model: &Model) -> impl Iterator<Item = usize> {
     kept_nodes_of_histories(model).chain(single_nodes(model))
 }
 
-/// Returns the nodes of springs, dashpots, point masses, equations and links, and those with concentrated loads.
-pub fn single_nodes(model: &Model) -> impl Iterator<Item = usize> {
+/// Returns the nodes of equations and links.
+pub fn linked_nodes(model: &Model) -> impl Iterator<Item = usize> {
     let NodeConstraints { equations, links, .. } = &model.constraints;
     let terms = equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
     let linked = links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
+    terms.chain(linked)
+}
+
+/// Returns the nodes of springs, dashpots and point masses, and those with concentrated loads.
+pub fn single_nodes(model: &Model) -> impl Iterator<Item = usize> {
     let connectors = model.discrete.connectors.iter().flat_map(|property| &property.elements);
     let ends = connectors.flat_map(|e| model.mesh.elements[*e].nodes.iter().copied());
     let loads = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
@@ -151,7 +156,7 @@ pub fn single_nodes(model: &Model) -> impl Iterator<Item = usize> {
         _ => None,
     });
     let masses = model.discrete.masses.iter().map(|mass| mass.node);
-    ends.chain(masses).chain(loads.flatten().copied()).chain(terms).chain(linked)
+    ends.chain(masses).chain(loads.flatten().copied())
 }
 
 /// Returns the nodes of histories that [points](TracerPoint) between nodes can replace, in ascending order.
@@ -469,7 +474,7 @@ fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<
 
 fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
     match kind.region_mut() {
-        // Each node has the whole load: new nodes between two of them have none.
+        // Each node has the whole load: new nodes between two loaded nodes have none.
         LoadRegionMut::Nodes(nodes) => nodes.iter_mut().for_each(|node| visit(MemberList::Node(node))),
         LoadRegionMut::Elements(elements) => visit(MemberList::Elements(elements)),
         LoadRegionMut::Sides(sides) => visit_sides(sides, visit),

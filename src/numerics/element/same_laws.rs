@@ -1,8 +1,8 @@
 //! Laws with a yield surface that depends on pressure, porosity or direction, for the tests that every law must pass. Their
-//! moduli are those of the tests; the motions of the tests make each of them yield.
+//! moduli are those of the tests; the motions of the tests make each law yield.
 
 use super::battery::{DENSITY, MODULI};
-use crate::kernel::hardening::LinearTable;
+use crate::kernel::hardening::{LinearTable, RateFactor};
 use crate::material::compaction::PorousCompaction;
 use crate::material::eos::UsUp;
 use crate::material::equation_of_state::EquationOfState;
@@ -37,7 +37,7 @@ pub(super) fn ceramic() -> JohnsonHolmquist {
         shear: MODULI.shear,
         intact: [0.9, 0.6, f64::INFINITY],
         fractured: [0.4, 0.6, f64::INFINITY],
-        rate: [0.01, 1.0],
+        rate: RateFactor::JohnsonCook { c: 0.01, reference: 1.0 },
         tension: 0.01,
         elastic_limit: [0.06, 0.04],
         bulking: 1.0,
@@ -55,7 +55,7 @@ pub(super) fn impacted_concrete() -> HolmquistJohnsonCook {
         strength: [0.8, 1.6, 0.6],
         largest_strength: 7.0,
         compressive: 0.02,
-        rate: [0.01, 1.0],
+        rate: RateFactor::JohnsonCook { c: 0.01, reference: 1.0 },
         tension: 0.004,
         fracture: [0.04, 1.0, 0.01],
         crush: [0.01, 0.01 / MODULI.bulk],

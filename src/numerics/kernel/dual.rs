@@ -34,7 +34,7 @@ pub trait Scalar:
     /// Returns whether value and derivatives are finite.
     fn is_finite(self) -> bool;
 
-    /// Returns whether value and derivatives are at most a part of those of a sum.
+    /// Returns whether value and derivatives are at most a part of the value and derivatives of a sum.
     fn is_negligible(self, sum: Self, part: f64) -> bool;
 
     /// Returns the square root.

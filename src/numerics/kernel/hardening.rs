@@ -138,7 +138,7 @@ impl RateFactor {
 
 /// Returns x^n for positive x, otherwise zero, accurate to a few units in the last place: several times as fast as a
 /// correctly rounded `pow`. Uses `libm`, so that every machine gives the same bits.
-fn power(x: f64, n: f64) -> f64 {
+pub fn power(x: f64, n: f64) -> f64 {
     if x > 0.0 { libm::exp(n * libm::log(x)) } else { 0.0 }
 }
 

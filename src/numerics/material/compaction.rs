@@ -117,7 +117,7 @@ impl PorousCompaction {
         EosLine { cold: cold / distension, per_energy: per_energy / distension, cold_slope, energy_slope }
     }
 
-    /// Returns the distension at which a pressure that depends on it lies on the path; pressures decrease with it.
+    /// Returns the distension at which a pressure that depends on it is on the path; pressures decrease with it.
     fn solve(&self, path: DistensionPath, current: f64, pressure: impl Fn(f64) -> f64) -> f64 {
         let excess = |distension: f64| distension - self.distension(path, pressure(distension));
         if path.slope == 0.0 && path.meeting[1] <= 1.0 {

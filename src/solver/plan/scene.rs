@@ -68,6 +68,6 @@ pub struct Shared {
     pub amplitude_count: usize,
     /// Surfaces of loads in models without deformable elements, by the line of the load; revisions use them again.
     pub surfaces: IndexMap<Span, SurfaceGeometry>,
-    /// Properties of the user load, once a load has asked for them.
+    /// Properties of the user load, once a load has requested them.
     pub load_properties: Option<LoadProperties>,
 }

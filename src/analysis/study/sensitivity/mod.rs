@@ -38,7 +38,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 pub struct SensitivityRequest<'a> {
     /// Deck.
     pub deck: &'a DeckSource,
-    /// Values of parameters in place of those of the deck.
+    /// Values of parameters that replace the values in the deck.
     pub settings: &'a ParameterOverrides,
     /// Compiled user subroutines.
     pub user: Option<&'a Arc<Compiled>>,

@@ -156,7 +156,7 @@ card!(Potential: "POTENTIAL", "Hill's anisotropic yield, below *PLASTIC; 1, 2, 3
     "temperature" inert "the ratios do not depend on temperature",
 ])]);
 
-card!(PorousMetalPlasticity: "POROUS METAL PLASTICITY", "Gurson's plasticity of metals with voids, beside *PLASTIC", (once below "MATERIAL"), {
+card!(PorousMetalPlasticity: "POROUS METAL PLASTICITY", "Gurson's plasticity of metals with voids, in addition to *PLASTIC", (once below "MATERIAL"), {
     relative_density: f64 = "RELATIVE DENSITY" (NUMBER.above(0.0).to(1.0).or(1.0)) "1 minus the initial void volume fraction",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, row: [f64; 3] = [(lines [

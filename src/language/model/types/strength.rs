@@ -7,6 +7,18 @@ pub use crate::deck::table::strength::{
     HolmquistJohnsonCook, PorousFailureCriteria, PorousMetalPlasticity, Potential, VoidNucleation,
 };
 
+/// Returns the tangent of an angle in degrees, with the same bits on every machine.
+pub fn tangent(degrees: f64) -> f64 {
+    libm::tan(degrees.to_radians())
+}
+
+impl DruckerPrager {
+    /// Returns K, the ratio of the flow stresses in triaxial tension and compression; 0 and the default mean 1.
+    pub fn ratio(&self) -> f64 {
+        if self.row[1] == 0.0 { 1.0 } else { self.row[1] }
+    }
+}
+
 /// Declares a field for each card, and the functions that visit them.
 macro_rules! strength_cards {
     ($($(#[$doc:meta])* $field:ident: $card:ident,)+) => {

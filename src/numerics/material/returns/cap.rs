@@ -192,22 +192,7 @@ mod tests {
 
     /// Applies a strain increment; returns the stress.
     fn strained(law: &CapPlasticity, state: &mut [f64], carried: [f64; 4], strain: [f64; 4]) -> [f64; 4] {
-        let (moduli, stress, plastic, deleted) = (law.moduli, carried, [0.0; 4], false);
-        let [angle, dt, length, compacted, lost] = [0.0, 1.0, 1.0, 0.0, 0.0];
-        let mut point = ReturnPoint {
-            strain,
-            carried,
-            angle,
-            dt,
-            length,
-            state,
-            moduli,
-            stress,
-            plastic,
-            compacted,
-            lost,
-            deleted,
-        };
+        let mut point = ReturnPoint::new(strain, carried, state, law.moduli);
         law.update(&mut point);
         point.stress
     }

@@ -1,5 +1,7 @@
 //! Pressure as a polynomial of the compression, and its recoverable energy.
 
+use crate::kernel::stress::mises;
+
 /// Pressure K1 mu + K2 mu² + K3 mu³ + shift of the compression mu = V0/V - 1, without the higher terms in expansion, and not below a
 /// limit in tension. The shift is a bulking pressure, or minus K1 times the plastic compaction. Equation (20.21).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +61,13 @@ impl CompressionLaw {
         let cube = 0.5 * compression * compression - 2.0 * compression + 3.0 * logarithm - volume;
         linear + k2 * square + k3 * cube
     }
+}
+
+/// Returns the recoverable energy per current volume of a stress: of its deviator, and of the pressure, whose energy is per
+/// initial volume. `dilation` is the logarithm of the volume ratio.
+pub fn energy_of_stress_and_pressure(stress: [f64; 4], shear: f64, of_pressure: f64, dilation: f64) -> f64 {
+    let mises = mises(stress);
+    mises * mises / (6.0 * shear) + of_pressure / libm::exp(dilation)
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 
 use super::concrete_return::{ConcretePath, ConcreteSurface, principal, tension_share};
 use super::concrete_tables::{ConcreteStrength, ConcreteTable, LARGEST_DAMAGE};
-use super::law::{ReturnPoint, StressReturn, TrialStress, contraction, elastic_energy};
+use super::law::{ReturnPoint, StressReturn, TrialStress, contraction};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
 
-/// Limits that delete an element when any of them is reached.
+/// Limits that delete an element; the first one that is reached counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConcreteFailure {
     /// Tensile cracking strain.
@@ -115,7 +115,7 @@ impl StressReturn for ConcreteDamagedPlasticity {
     }
 
     fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
-        elastic_energy(stress, self.moduli) / (1.0 - state[DEGRADATION])
+        self.moduli.energy(stress) / (1.0 - state[DEGRADATION])
     }
 
     /// Equation (20.19).

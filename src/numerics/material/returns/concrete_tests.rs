@@ -63,20 +63,8 @@ impl<'a> Specimen<'a> {
     fn strained(&self, strain: [f64; 4]) -> Specimen<'a> {
         let mut next = self.clone();
         let carried = self.stress;
-        let mut point = ReturnPoint {
-            strain,
-            carried,
-            angle: 0.0,
-            dt: 1.0,
-            length: self.length,
-            state: &mut next.state,
-            moduli: self.law.moduli,
-            stress: carried,
-            plastic: [0.0; 4],
-            compacted: 0.0,
-            lost: 0.0,
-            deleted: false,
-        };
+        let length = self.length;
+        let mut point = ReturnPoint { length, ..ReturnPoint::new(strain, carried, &mut next.state, self.law.moduli) };
         self.law.update(&mut point);
         let ReturnPoint { stress, plastic, lost, deleted, .. } = point;
         let mean = std::array::from_fn(|i| 0.5 * (carried[i] + stress[i]));

@@ -1,8 +1,8 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
-use super::law::{ReturnPoint, StressReturn, TrialStress, determinant, raised};
+use super::law::{ReturnPoint, StressReturn, TrialStress, determinant};
 use super::root::{bracketed_root, nearby_root};
-use crate::kernel::hardening::{LinearTable, RateFactor};
+use crate::kernel::hardening::{LinearTable, RateFactor, power};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
@@ -86,6 +86,26 @@ impl Invariants {
     }
 }
 
+impl DruckerPragerShape {
+    /// Returns the part of the yield function that depends on the stress; it equals [`Self::strength`] on the surface.
+    /// Equation (20.4).
+    fn measure(self, stress: Invariants) -> f64 {
+        let Invariants { pressure, mises, .. } = stress;
+        match self {
+            DruckerPragerShape::Linear { friction, ratio } => stress.measure(ratio) - pressure * friction,
+            DruckerPragerShape::Hyperbolic { friction, apex } => {
+                (apex * apex + mises * mises).sqrt() - pressure * friction
+            }
+            DruckerPragerShape::Exponent { factor, exponent } => factor * power(mises, exponent) - pressure,
+        }
+    }
+
+    /// Returns the measure of a test with a yield stress. For the linear form it is the cohesion d.
+    pub fn strength(self, test: YieldTest, yield_stress: f64) -> f64 {
+        self.measure(test.invariants(yield_stress))
+    }
+}
+
 /// Material with a yield stress that increases with pressure.
 #[derive(Clone, Debug)]
 pub struct DruckerPrager {
@@ -141,23 +161,10 @@ impl DruckerPrager {
         (apex >= 0.0 && apex.is_finite()).then_some(apex)
     }
 
-    /// Returns the part of the yield function that depends on the stress; it equals [`Self::strength`] on the surface.
-    /// Equation (20.4).
-    fn measure(&self, stress: Invariants) -> f64 {
-        let Invariants { pressure, mises, .. } = stress;
-        match self.shape {
-            DruckerPragerShape::Linear { friction, ratio } => stress.measure(ratio) - pressure * friction,
-            DruckerPragerShape::Hyperbolic { friction, apex } => {
-                (apex * apex + mises * mises).sqrt() - pressure * friction
-            }
-            DruckerPragerShape::Exponent { factor, exponent } => factor * raised(mises, exponent) - pressure,
-        }
-    }
-
     /// Returns the measure of the test at an equivalent plastic strain and its rate. Equation (20.6).
     pub fn strength(&self, strain: f64, rate: f64) -> f64 {
         let factor = self.rate.as_ref().map_or(1.0, |factor| factor.at(rate, 0.0));
-        self.measure(self.test.invariants(factor * self.hardening.value(strain)))
+        self.shape.strength(self.test, factor * self.hardening.value(strain))
     }
 
     /// Returns the pressure of the apex, where the deviator is zero. Equation (20.10).
@@ -237,7 +244,7 @@ impl ReturnIncrement<'_> {
         let stress = Invariants::of(pressure, deviator, self.law.shape);
         let hardening = self.law.hardening_strain(self.strain_before, stress, multiplier);
         let strain = self.strain_before + hardening;
-        let outside = self.law.measure(stress) - self.law.strength(strain, self.rate(hardening));
+        let outside = self.law.shape.measure(stress) - self.law.strength(strain, self.rate(hardening));
         PathState { pressure, deviator, strain, outside }
     }
 
@@ -300,7 +307,7 @@ impl StressReturn for DruckerPrager {
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
         let strength = self.strength(point.state[STRAIN], 0.0);
-        let first = self.measure(Invariants::of(trial.pressure, trial.deviator, self.shape)) - strength;
+        let first = self.shape.measure(Invariants::of(trial.pressure, trial.deviator, self.shape)) - strength;
         let size = strength.abs() + trial.pressure.abs() + trial.mises;
         // A NaN is not returned, so that the run halts.
         if first.is_nan() || first <= 1e-14 * size {
@@ -342,26 +349,13 @@ mod tests {
 
     /// Strains a point along z in increments with a constant lateral stress; returns the axial stress.
     fn axial_stress(law: &DruckerPrager, lateral: f64, strain: f64) -> f64 {
-        let (mut state, mut stress) = ([0.0], [lateral; 4].map(|s| s));
-        stress[3] = 0.0;
+        let (mut state, mut stress) = ([0.0], [lateral, lateral, lateral, 0.0]);
         let mut radial = 0.0;
         for _ in 0..400 {
             // The lateral strain increment that keeps the lateral stress, by secants.
             let respond = |radial: f64, state: &mut [f64]| {
-                let mut point = ReturnPoint {
-                    strain: [radial, strain / 400.0, radial, 0.0],
-                    carried: stress,
-                    angle: 0.0,
-                    dt: 1.0,
-                    length: 1.0,
-                    state,
-                    moduli: law.moduli,
-                    stress,
-                    plastic: [0.0; 4],
-                    compacted: 0.0,
-                    lost: 0.0,
-                    deleted: false,
-                };
+                let strain = [radial, strain / 400.0, radial, 0.0];
+                let mut point = ReturnPoint::new(strain, stress, state, law.moduli);
                 law.update(&mut point);
                 point.stress
             };
@@ -430,20 +424,7 @@ mod tests {
         ] {
             let law = law(shape);
             let mut state = [0.0];
-            let mut point = ReturnPoint {
-                strain: [0.01, 0.01, 0.01, 0.0],
-                carried: [0.0; 4],
-                angle: 0.0,
-                dt: 1.0,
-                length: 1.0,
-                state: &mut state,
-                moduli: law.moduli,
-                stress: [0.0; 4],
-                plastic: [0.0; 4],
-                compacted: 0.0,
-                lost: 0.0,
-                deleted: false,
-            };
+            let mut point = ReturnPoint::new([0.01, 0.01, 0.01, 0.0], [0.0; 4], &mut state, law.moduli);
             law.update(&mut point);
             let apex = law.apex_pressure(law.strength(0.0, 0.0));
             assert!((TrialStress::of(point.stress).pressure / apex - 1.0).abs() < 1e-9, "{shape:?} {:?}", point.stress);

@@ -145,22 +145,8 @@ mod tests {
 
     /// Applies a strain increment at an angle; returns stress, plastic strain and equivalent plastic strain.
     fn strained(law: &HillPotential, strain: [f64; 4], angle: f64) -> ([f64; 4], [f64; 4], f64) {
-        let (moduli, carried, state, deleted) = (law.moduli, [0.0; 4], &mut law.initial_state(), false);
-        let ([dt, length, compacted, lost], stress, plastic) = ([1.0, 1.0, 0.0, 0.0], carried, carried);
-        let mut point = ReturnPoint {
-            strain,
-            carried,
-            angle,
-            dt,
-            length,
-            state,
-            moduli,
-            stress,
-            plastic,
-            compacted,
-            lost,
-            deleted,
-        };
+        let mut state = law.initial_state();
+        let mut point = ReturnPoint { angle, ..ReturnPoint::new(strain, [0.0; 4], &mut state, law.moduli) };
         law.update(&mut point);
         let (stress, plastic) = (point.stress, point.plastic);
         (stress, plastic, state[STRAIN])

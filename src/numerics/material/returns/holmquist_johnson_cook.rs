@@ -2,15 +2,15 @@
 //! model for concrete subjected to large strains, high strain rates, and high pressures", 14th International Symposium on
 //! Ballistics, 591).
 
-use super::compression::CompressionLaw;
-use super::law::{ReturnPoint, StressReturn, TrialStress, raised, rate_factor};
+use super::compression::{CompressionLaw, energy_of_stress_and_pressure};
+use super::law::{ReturnPoint, StressReturn, TrialStress, VolumeChange};
 use super::root::bracketed_root;
+use crate::kernel::hardening::{RateFactor, power};
 use crate::kernel::moduli::ElasticModuli;
-use crate::kernel::stress::mises;
 use crate::variables::{Variable, VariableComponent};
 
 /// Constants of the law.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct HolmquistJohnsonCook {
     /// Shear modulus, stress.
     pub shear: f64,
@@ -20,8 +20,8 @@ pub struct HolmquistJohnsonCook {
     pub largest_strength: f64,
     /// Quasi-static uniaxial compressive strength fc, stress.
     pub compressive: f64,
-    /// Rate factor: C and reference strain rate.
-    pub rate: [f64; 2],
+    /// Rate factor, 1 + C ln(rate/reference).
+    pub rate: RateFactor,
     /// Largest hydrostatic tension T, stress.
     pub tension: f64,
     /// Plastic strain to fracture D1 (P* + T*)^D2: D1, D2 and its smallest value EFMIN.
@@ -94,7 +94,7 @@ impl HolmquistJohnsonCook {
         if pressure < 0.0 {
             return self.compressive * rate * (intact + a * pressure / self.tension).max(0.0);
         }
-        let normalised = (intact + b * raised(pressure / self.compressive, n)) * rate;
+        let normalised = (intact + b * power(pressure / self.compressive, n)) * rate;
         self.compressive * normalised.min(self.largest_strength)
     }
 }
@@ -139,29 +139,26 @@ impl StressReturn for HolmquistJohnsonCook {
     }
 
     fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
-        let mises = mises(stress);
-        mises * mises / (6.0 * self.shear) + state[ENERGY] / libm::exp(state[DILATION])
+        energy_of_stress_and_pressure(stress, self.shear, state[ENERGY], state[DILATION])
     }
 
     /// Equation (20.28).
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let (dilation, rate) = (point.dilation(), point.deviatoric_rate());
-        let volume_before = libm::exp(point.state[DILATION]);
-        point.state[DILATION] += dilation;
-        let compression = libm::expm1(-point.state[DILATION]);
+        let rate = point.deviatoric_rate();
+        let VolumeChange { volume_before, compression } = point.advance_volume(DILATION);
         let largest = compression.max(point.state[LARGEST]);
         let damage = point.state[DAMAGE];
         let Unloading { law, solid, compaction } = self.unloading(largest, damage);
         let counted = (compression - solid) / (1.0 + solid);
         let pressure = law.pressure(counted);
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli()));
-        let rate_factor = rate_factor(self.rate, rate);
+        let rate_factor = self.rate.at(rate, 0.0);
         let mut mises = trial.mises.min(self.yield_strength(pressure, damage, rate_factor));
         let strain = (trial.mises - mises) / (3.0 * self.shear);
         let [factor, exponent, smallest] = self.fracture;
         let inelastic = strain + (compaction - point.state[COMPACTION]).max(0.0);
         if inelastic > 0.0 {
-            let to_fracture = factor * raised((pressure + self.tension) / self.compressive, exponent);
+            let to_fracture = factor * power((pressure + self.tension) / self.compressive, exponent);
             point.state[DAMAGE] = (damage + inelastic / to_fracture.max(smallest)).min(1.0);
             // The loss of strength by the new damage is plastic flow too, but damages no further.
             mises = mises.min(self.yield_strength(pressure, point.state[DAMAGE], rate_factor));

@@ -1,15 +1,15 @@
 //! Brittle materials under impact: the second law of Johnson and Holmquist (1994, "An improved computational constitutive
 //! model for brittle materials", AIP Conference Proceedings 309, 981).
 
-use super::compression::CompressionLaw;
-use super::law::{ReturnPoint, StressReturn, TrialStress, raised, rate_factor};
+use super::compression::{CompressionLaw, energy_of_stress_and_pressure};
+use super::law::{ReturnPoint, StressReturn, TrialStress, VolumeChange};
+use crate::kernel::hardening::{RateFactor, power};
 use crate::kernel::moduli::ElasticModuli;
-use crate::kernel::stress::mises;
 use crate::variables::{Variable, VariableComponent};
 
 /// Constants of the law, in the order of the user material `ABQ_JH2`. Strengths are normalised by the von Mises stress at the
 /// Hugoniot elastic limit, pressures by the pressure there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct JohnsonHolmquist {
     /// Shear modulus, stress.
     pub shear: f64,
@@ -17,8 +17,8 @@ pub struct JohnsonHolmquist {
     pub intact: [f64; 3],
     /// Strength of the fractured material: B, exponent M and largest value.
     pub fractured: [f64; 3],
-    /// Rate factor: C and reference strain rate.
-    pub rate: [f64; 2],
+    /// Rate factor, 1 + C ln(rate/reference).
+    pub rate: RateFactor,
     /// Largest hydrostatic tension T of the intact material, stress.
     pub tension: f64,
     /// Axial stress and pressure at the Hugoniot elastic limit, stress.
@@ -55,8 +55,8 @@ impl JohnsonHolmquist {
         let [a, n, largest_intact] = self.intact;
         let [b, m, largest_fractured] = self.fractured;
         let normalised = pressure / hydrostatic;
-        let intact = (a * raised(normalised + self.tension / hydrostatic, n) * rate).min(largest_intact);
-        let fractured = if damage > 0.0 { (b * raised(normalised, m) * rate).min(largest_fractured) } else { 0.0 };
+        let intact = (a * power(normalised + self.tension / hydrostatic, n) * rate).min(largest_intact);
+        let fractured = if damage > 0.0 { (b * power(normalised, m) * rate).min(largest_fractured) } else { 0.0 };
         1.5 * (axial - hydrostatic) * (intact - damage * (intact - fractured))
     }
 
@@ -64,7 +64,7 @@ impl JohnsonHolmquist {
     fn damage_after(&self, damage: f64, strain: f64, pressure: f64) -> f64 {
         let [factor, exponent] = self.fracture;
         let hydrostatic = self.elastic_limit[1];
-        let to_fracture = factor * raised((pressure + self.tension) / hydrostatic, exponent);
+        let to_fracture = factor * power((pressure + self.tension) / hydrostatic, exponent);
         let to_fracture = to_fracture.max(self.fracture_range[0]).min(self.fracture_range[1]);
         if to_fracture > 0.0 { (damage + strain / to_fracture).min(1.0) } else { 1.0 }
     }
@@ -107,22 +107,19 @@ impl StressReturn for JohnsonHolmquist {
     }
 
     fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
-        let mises = mises(stress);
-        mises * mises / (6.0 * self.shear) + state[ENERGY] / libm::exp(state[DILATION])
+        energy_of_stress_and_pressure(stress, self.shear, state[ENERGY], state[DILATION])
     }
 
     /// Equation (20.25).
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let (dilation, rate) = (point.dilation(), point.deviatoric_rate());
-        let volume_before = libm::exp(point.state[DILATION]);
-        point.state[DILATION] += dilation;
-        let compression = libm::expm1(-point.state[DILATION]);
+        let rate = point.deviatoric_rate();
+        let VolumeChange { volume_before, compression } = point.advance_volume(DILATION);
         let (damage_before, bulking_before) = (point.state[DAMAGE], point.state[BULKING]);
         let mut damage = damage_before;
         let mut law = self.compression(point.state[BULKING], damage);
         let mut pressure = law.pressure(compression);
         let trial = TrialStress::of(point.elastic(point.carried, self.moduli()));
-        let rate_factor = rate_factor(self.rate, rate);
+        let rate_factor = self.rate.at(rate, 0.0);
         let mut strength = self.strength(pressure, damage, rate_factor);
         let mut mises = trial.mises;
         point.state[RATE] = 0.0;

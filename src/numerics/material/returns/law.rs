@@ -38,7 +38,7 @@ pub trait StressReturn: Send + Sync {
 
     /// Returns the recoverable energy per current volume of a stress and state.
     fn recoverable_energy(&self, stress: [f64; 4], _state: &[f64]) -> f64 {
-        elastic_energy(stress, self.moduli())
+        self.moduli().energy(stress)
     }
 
     /// Updates state and stress over an increment.
@@ -75,6 +75,15 @@ pub struct ReturnPoint<'a> {
     pub deleted: bool,
 }
 
+/// Change of the volume of a point in an increment.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeChange {
+    /// Ratio of volumes before the increment.
+    pub volume_before: f64,
+    /// Compression V0/V - 1 after it.
+    pub compression: f64,
+}
+
 /// Elastic trial stress, split into its invariants.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialStress {
@@ -95,10 +104,35 @@ impl TrialStress {
     }
 }
 
-impl ReturnPoint<'_> {
+impl<'a> ReturnPoint<'a> {
+    /// Creates a point without results and without rotation, with an increment and a characteristic length of 1.
+    pub fn new(strain: [f64; 4], carried: [f64; 4], state: &'a mut [f64], moduli: ElasticModuli) -> ReturnPoint<'a> {
+        ReturnPoint {
+            strain,
+            carried,
+            angle: 0.0,
+            dt: 1.0,
+            length: 1.0,
+            state,
+            moduli,
+            stress: carried,
+            plastic: [0.0; 4],
+            compacted: 0.0,
+            lost: 0.0,
+            deleted: false,
+        }
+    }
+
     /// Returns the volumetric strain increment, positive for expansion.
     pub fn dilation(&self) -> f64 {
         self.strain[0] + self.strain[1] + self.strain[2]
+    }
+
+    /// Advances the logarithm of the volume ratio, a state.
+    pub fn advance_volume(&mut self, dilation: usize) -> VolumeChange {
+        let volume_before = libm::exp(self.state[dilation]);
+        self.state[dilation] += self.dilation();
+        VolumeChange { volume_before, compression: libm::expm1(-self.state[dilation]) }
     }
 
     /// Returns the rate of the equivalent deviatoric strain, sqrt(2/3 e:e) over the length of the increment.
@@ -147,25 +181,9 @@ impl ReturnPoint<'_> {
     }
 }
 
-/// Returns the elastic energy per volume of a stress.
-pub fn elastic_energy(stress: [f64; 4], moduli: ElasticModuli) -> f64 {
-    let TrialStress { pressure, mises, .. } = TrialStress::of(stress);
-    mises * mises / (6.0 * moduli.shear) + pressure * pressure / (2.0 * moduli.bulk)
-}
-
 /// Returns the determinant of a tensor rr, zz, hoop, rz.
 pub fn determinant(tensor: [f64; 4]) -> f64 {
     tensor[2] * (tensor[0] * tensor[1] - tensor[3] * tensor[3])
-}
-
-/// Returns x^n, 0 unless x is positive.
-pub fn raised(x: f64, n: f64) -> f64 {
-    if x > 0.0 { libm::exp(n * libm::log(x)) } else { 0.0 }
-}
-
-/// Returns the factor 1 + C ln(rate/reference) of Johnson and Cook, not below 1, from C and the reference rate.
-pub fn rate_factor([factor, reference]: [f64; 2], rate: f64) -> f64 {
-    if factor != 0.0 && rate > reference { 1.0 + factor * libm::log(rate / reference) } else { 1.0 }
 }
 
 /// Returns the double contraction of two tensors rr, zz, hoop, rz.

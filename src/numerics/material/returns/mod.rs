@@ -1,6 +1,6 @@
 //! Laws with elastic moduli and a yield surface that depends on more than the von Mises stress: soil, rock, concrete, ceramics,
-//! porous metals, sheet. Each law is one file, evaluated point by point ([`law::StressReturn`]); this file is the material of
-//! all of them.
+//! porous metals, sheet. Each law is one file, evaluated point by point ([`law::StressReturn`]); this file is the material
+//! for all laws.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
 
 pub mod cap;
@@ -94,22 +94,15 @@ impl Material for ReturnMaterial {
             }
             state.angle[l] += strain.spin[l];
             let carried = column(&strain.carried, l);
+            let increment = column(&strain.strain, l);
             let mut point = ReturnPoint {
-                strain: column(&strain.strain, l),
-                carried,
                 angle: state.angle[l],
                 dt: strain.dt,
                 length: state.length[l],
-                state: &mut values[..count],
-                moduli,
-                stress: carried,
-                plastic: [0.0; 4],
-                compacted: 0.0,
-                lost: 0.0,
-                deleted: false,
+                ..ReturnPoint::new(increment, carried, &mut values[..count], moduli)
             };
             self.law.update(&mut point);
-            let ReturnPoint { strain: increment, moduli, plastic, compacted, lost, .. } = point;
+            let ReturnPoint { moduli, plastic, compacted, lost, .. } = point;
             let deleted = point.deleted && !self.keeps_elements;
             let new = if deleted { [0.0; 4] } else { point.stress };
             let both = [0, 1, 2, 3].inline_map(|i: usize| 0.5 * (carried[i] + new[i]));
@@ -133,11 +126,11 @@ impl Material for ReturnMaterial {
             }
             update.flow[l] = contraction(plastic, plastic);
             let trial = mises(column(&update.deviator, l));
-            let deviator = TrialStress::of(new).deviator;
+            let end = TrialStress::of(new);
             for i in 0..4 {
-                (update.plastic[i][l], update.deviator[i][l], stress[i][l]) = (plastic[i], deviator[i], new[i]);
+                (update.plastic[i][l], update.deviator[i][l], stress[i][l]) = (plastic[i], end.deviator[i], new[i]);
             }
-            let ratio = if trial > 0.0 { mises(new) / trial } else { 1.0 };
+            let ratio = if trial > 0.0 { end.mises / trial } else { 1.0 };
             update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
             // The constants of the elements contain the shear modulus.
             update.bulk[l] = moduli.bulk + 4.0 / 3.0 * (moduli.shear - strain.moduli.shear);

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::deck::{Diagnostic, Diagnostics};
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
-use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, single_nodes};
+use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, linked_nodes, single_nodes};
 use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
 use crate::plan::constraints::surface_ties::find_attached_nodes;
 use crate::plan::contact::cohesion::cohesive_behaviors;
@@ -187,7 +187,7 @@ pub(super) fn unsupported_remeshing(
     }
     if single_nodes(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
         let message = format!(
-            "a spring, dashpot, point mass, equation, coupling or concentrated load acts on a node inside `{name}`, which a new \
+            "a spring, dashpot, point mass or concentrated load acts on a node inside `{name}`, which a new \
              mesh does not keep"
         );
         return Some((
@@ -245,12 +245,10 @@ fn excluded_by_nodes(scene: Scene, body: &ModelBody, used: &dyn Fn(usize) -> Opt
     });
     let mut nodes_of_histories = sets_of_histories.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
     let is_used = |node: usize| used(node).is_some();
-    // A new node between two of them would not follow.
-    let terms = model.constraints.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
-    let mut linked =
-        model.constraints.links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
+    // A new node between two nodes of an equation or a link would not follow.
+    let mut linked = linked_nodes(model);
     let exclusions = [
-        (terms.clone().any(is_used) || linked.any(is_used), "*EQUATION, *MPC and *COUPLING at nodes of the body"),
+        (linked.any(is_used), "*EQUATION, *MPC and *COUPLING at nodes of the body"),
         (nodes_of_histories.any(|node| is_used(*node)), "histories of single elements of the body"),
         (body.nodes.iter().any(|node| scene.bodies.of_node.contains_key(node)), "rigid bodies at nodes of the body"),
         (model.constraints.equations.iter().any(|equation| equation.is_thermal()), "*EQUATION between temperatures"),

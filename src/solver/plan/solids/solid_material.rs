@@ -11,7 +11,6 @@ use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, StaticYield
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
-use crate::kernel::shape::quad_area;
 use crate::material::compaction::PorousCompaction;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
@@ -24,16 +23,14 @@ use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::model::{
-    DamageEvolution, EosKind, EquationOfState as EosDefinition, FailedMaterial, FailureCriterion, HourglassMethod,
-    MaterialDefinition, Model, PlasticityModel, PoreCompaction, RateDependence, SectionControls, SolidSection,
-    StrainAtFailure,
+    DamageEvolution, EosKind, FailedMaterial, FailureCriterion, HourglassMethod, MaterialDefinition, Model,
+    PlasticityModel, PoreCompaction, RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::solid_properties::{SolidProperties, blocks, rate_factor};
 use crate::plan::solids::strength::{moduli_of_law, spalling_law, spalls, strength_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{GroupInput, Report};
-use crate::state::nodes::Node;
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
 const HOURGLASS_STIFFNESS: f64 = 0.005;
@@ -79,6 +76,7 @@ pub fn solid_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn El
         }
         return user_group(input, report);
     }
+    check_compaction(material, report)?;
     let evolves = material.failures.iter().any(FailureCriterion::takes_length);
     require_length_routine(input, evolves, report)?;
     let moduli = elastic_moduli(material, section.span, report)?;
@@ -94,12 +92,12 @@ pub fn solid_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn El
     let subzonal = subzonal(input, report)?;
     let absolute_zero = model.settings.absolute_zero;
     let span = section.span;
-    let longest = longest_element(connectivity, nodes);
     let solid = SolidProperties {
         material,
         span,
         constants,
-        longest,
+        connectivity,
+        nodes,
         density,
         heats,
         deletion_margin,
@@ -121,18 +119,8 @@ fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMateri
     if !material.is_explosive() && !material.detonation.is_empty() {
         report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
     }
-    if let Some(compaction) = material.compaction.filter(|_| material.eos.is_none()) {
-        let message = format!("material `{}`: *EOS COMPACTION needs *EOS, TYPE=USUP for the solid", material.name);
-        return report.refuse(Diagnostic::error("P013", message).at(compaction.span, "this compaction"));
-    }
     let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
     (row.law)(solid, report)
-}
-
-/// Returns the largest characteristic length, the square root of the area in the r-z plane.
-fn longest_element(connectivity: &Connectivity, nodes: &[Node]) -> f64 {
-    let area = |cell: [u32; 4]| quad_area(cell.map(|n| nodes[n as usize].place()));
-    connectivity.cells().into_iter().map(area).fold(0.0, f64::max).sqrt()
 }
 
 fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report) {
@@ -229,18 +217,18 @@ fn shear_viscosity(input: &GroupInput, report: &mut Report) -> Option<f64> {
     Some(viscosity)
 }
 
-/// Refuses a compaction that does not fit the equation of state of the solid.
-fn check_compaction(material: &MaterialDefinition, eos: &EosDefinition, report: &mut Report) -> Option<()> {
+/// Refuses a compaction without the equation of state of the solid, or that does not fit it.
+fn check_compaction(material: &MaterialDefinition, report: &mut Report) -> Option<()> {
     let Some(compaction) = &material.compaction else { return Some(()) };
     let PoreCompaction { speed, pressures: [begin, end], span, .. } = *compaction;
-    let fault = match eos.kind {
-        EosKind::UsUp([c0, ..]) if speed > c0 => {
+    let fault = match material.eos.as_ref().map(|eos| &eos.kind) {
+        Some(EosKind::UsUp([c0, ..])) if speed > *c0 => {
             format!("the sound speed {speed} of the porous material exceeds that of the solid, {c0}")
         }
-        EosKind::UsUp(_) if end <= begin => {
+        Some(EosKind::UsUp(_)) if end <= begin => {
             format!("the compaction pressure {end} must exceed the elastic limit {begin}")
         }
-        EosKind::UsUp(_) => return Some(()),
+        Some(EosKind::UsUp(_)) => return Some(()),
         _ => "*EOS COMPACTION needs *EOS, TYPE=USUP for the solid".to_owned(),
     };
     let message = format!("material `{}`: {fault}", material.name);
@@ -251,7 +239,6 @@ fn check_compaction(material: &MaterialDefinition, eos: &EosDefinition, report: 
 fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let SolidProperties { material, span, density, .. } = *solid;
     let eos = material.eos.as_ref()?;
-    check_compaction(material, eos, report)?;
     let mut row = |detail| report.ledger_row(eos.span, "equation of state", 1, "material", detail);
     match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
         (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {

@@ -2,8 +2,11 @@
 
 use crate::deck::Span;
 use crate::element::constants::ElementConstants;
+use crate::element::solid_groups::Connectivity;
 use crate::kernel::hardening::{LinearTable, RateFactor, TableOverTemperature};
+use crate::kernel::shape::quad_area;
 use crate::model::{MaterialDefinition, RateDependence};
+use crate::state::nodes::Node;
 
 /// Properties of a solid section that the selection of its law takes into account.
 pub struct SolidProperties<'a> {
@@ -11,8 +14,8 @@ pub struct SolidProperties<'a> {
     /// Span of the section.
     pub span: Span,
     pub constants: ElementConstants,
-    /// Largest square root of the section area of an element, length.
-    pub longest: f64,
+    pub connectivity: &'a Connectivity,
+    pub nodes: &'a [Node],
     pub density: f64,
     pub heats: bool,
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
@@ -21,6 +24,14 @@ pub struct SolidProperties<'a> {
     pub keep_elements: bool,
     /// Absolute zero on the temperature scale of the model.
     pub absolute_zero: f64,
+}
+
+impl SolidProperties<'_> {
+    /// Returns the largest characteristic length of the elements, the square root of the area in the r-z plane.
+    pub fn longest_element(&self) -> f64 {
+        let area = |cell: [u32; 4]| quad_area(cell.map(|n| self.nodes[n as usize].place()));
+        self.connectivity.cells().into_iter().map(area).fold(0.0, f64::max).sqrt()
+    }
 }
 
 /// Returns the factor of a rate dependence on the yield stress; `None` without one.

@@ -2,7 +2,7 @@
 
 use crate::deck::{Diagnostic, Span};
 use crate::element::solid_groups::SolidMaterial;
-use crate::kernel::hardening::LinearTable;
+use crate::kernel::hardening::{LinearTable, RateFactor};
 use crate::kernel::moduli::ElasticModuli;
 use crate::material::returns::ReturnMaterial;
 use crate::material::returns::cap::CapPlasticity;
@@ -14,7 +14,7 @@ use crate::material::returns::law::StressReturn;
 use crate::material::returns::porous_metal::{PorousMetal, VoidFailure, VoidNucleation};
 use crate::material::returns::spall::SpallingSolid;
 use crate::model::{
-    DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure,
+    DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure, tangent,
 };
 use crate::plan::Report;
 use crate::plan::solids::concrete::concrete_law;
@@ -59,9 +59,9 @@ pub fn fault<T>(span: Span, message: impl Into<String>, help: &'static str) -> R
 
 /// Selects the law of a material with cards of strength.
 pub fn strength_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
-    let SolidProperties { material, longest, .. } = *solid;
+    let material = solid.material;
     let (keyword, span) = material.strength.cards().next()?;
-    match law(material, longest).and_then(|law| check_other_cards(solid).map(|()| law)) {
+    match law(solid).and_then(|law| check_other_cards(solid).map(|()| law)) {
         Ok(StrengthLaw { law, warning }) => {
             report.ledger_row(span, "strength", 1, "material", law.describe());
             if let Some(StrengthWarning { code, message, help }) = warning {
@@ -114,7 +114,8 @@ pub fn moduli_of_law(material: &MaterialDefinition) -> Option<ElasticModuli> {
     has_moduli.then(|| material.small_strain_moduli(None).unwrap_or(unknown))
 }
 
-fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
+fn law(solid: &SolidProperties) -> LawOrFault {
+    let material = solid.material;
     let cards = &material.strength;
     let law: Box<dyn StressReturn> = if let Some((constants, span)) = &cards.johnson_holmquist {
         Box::new(johnson_holmquist(constants, *span)?)
@@ -131,10 +132,10 @@ fn law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
         let (hardening, moduli) = (yield_table(material, *span)?, elasticity(material, *span)?);
         match HillPotential::new([rr, zz, hoop, shear], hardening, moduli) {
             Some(law) => Box::new(law),
-            None => return fault(*span, "the yield surface of these ratios is not closed", ""),
+            None => return fault(*span, "the ratios give a yield surface that is not closed", ""),
         }
     } else {
-        return concrete_law(material, longest);
+        return concrete_law(material, solid.longest_element());
     };
     Ok(StrengthLaw { law, warning: None })
 }
@@ -161,7 +162,6 @@ fn check_other_cards(solid: &SolidProperties) -> Result<(), StrengthFault> {
         return fault(span, format!("*{keyword} belongs to another law than *{first}"), "a material has one law");
     }
     let others = [
-        (material.compaction.is_some(), "*EOS COMPACTION"),
         (has_moduli && material.elastic.is_some(), "*ELASTIC"),
         (material.shear_modulus.is_some(), "*ELASTIC, TYPE=SHEAR"),
         (material.eos.is_some(), "*EOS"),
@@ -217,7 +217,7 @@ fn johnson_holmquist(constants: &[f64], span: Span) -> Result<JohnsonHolmquist, 
         shear,
         intact: [a, n, limit(most_intact)],
         fractured: [b, m, limit(most_fractured)],
-        rate: [c, rate],
+        rate: RateFactor::JohnsonCook { c, reference: rate },
         tension,
         elastic_limit: [hel, phel],
         bulking,
@@ -250,7 +250,7 @@ fn holmquist_johnson_cook(rows: &[[f64; 8]], span: Span) -> Result<HolmquistJohn
         strength: [a, b, n],
         largest_strength,
         compressive,
-        rate: [c, rate],
+        rate: RateFactor::JohnsonCook { c, reference: rate },
         tension,
         fracture: [d1, d2, least_strain],
         crush: [crush_pressure, crush],
@@ -339,11 +339,6 @@ fn yield_table(material: &MaterialDefinition, span: Span) -> Result<LinearTable,
     }
 }
 
-/// Returns the tangent of an angle in degrees.
-pub fn tangent(degrees: f64) -> f64 {
-    degrees.to_radians().tan()
-}
-
 fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, StrengthFault> {
     let cards = &material.strength;
     let Some((card, span)) = &cards.drucker_prager else {
@@ -361,7 +356,7 @@ fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, Streng
     let [first, second, dilation] = card.row;
     let (friction, dilatancy) = (tangent(first), tangent(dilation));
     let shape = match card.form {
-        0 => DruckerPragerShape::Linear { friction, ratio: if second == 0.0 { 1.0 } else { second } },
+        0 => DruckerPragerShape::Linear { friction, ratio: card.ratio() },
         1 => match DruckerPrager::apex(friction, second, test, yield_stress) {
             Some(apex) => DruckerPragerShape::Hyperbolic { friction, apex },
             None => return fault(*span, "no hyperbola has this tension strength and the first yield stress", ""),
