@@ -303,6 +303,129 @@ def richardson() -> None:
     f.write()
 
 
+def polygon_faces(f: Figure, corners, middles=()) -> None:
+    """An element with its node numbers and the names of its faces."""
+    f.line(corners, BLUE, 2, fill=FILL, close=True)
+    centre = tuple(sum(c[i] for c in corners) / len(corners) for i in (0, 1))
+    for i, (a, b) in enumerate(zip(corners, [*corners[1:], corners[0]], strict=True)):
+        middle = tuple(0.35 * (a[k] + b[k]) + 0.3 * centre[k] for k in (0, 1))
+        f.text((middle[0], middle[1] - 5), f"S{i + 1}", RED)
+    for i, at in enumerate([*corners, *middles]):
+        f.dot(at)
+        away = math.hypot(at[0] - centre[0], at[1] - centre[1])
+        f.text((at[0] + 14 * (at[0] - centre[0]) / away, at[1] + 14 * (at[1] - centre[1]) / away - 5), str(i + 1))
+
+
+def element_faces() -> None:
+    """Node numbers and faces of all elements."""
+    f = Figure("element-faces", 720, 330, "Nodes and faces of the elements")
+    f.arrow((16, 182), (66, 182), GREY)
+    f.text((76, 178), "r", GREY)
+    f.arrow((16, 182), (16, 232), GREY)
+    f.text((16, 238), "z", GREY)
+    polygon_faces(f, [(100, 205), (200, 198), (212, 290), (105, 296)])
+    f.text((152, 170), "CAX4R, CAX4RT")
+    polygon_faces(f, [(290, 200), (400, 208), (330, 296)])
+    f.text((345, 170), "CAX3, CAX3T")
+    corners = [(490, 200), (640, 205), (555, 296)]
+    middles = [tuple((a[i] + b[i]) / 2 for i in (0, 1)) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    polygon_faces(f, corners, middles)
+    f.text((565, 170), "CAX6M")
+    for left, name in ((60, "SAX1"), (250, "RAX2")):
+        a, b = (left, 60), (left + 120, 95)
+        f.line([a, b], BLUE, 2.4)
+        for i, at in enumerate((a, b)):
+            f.dot(at)
+            f.text((at[0], at[1] - 22), str(i + 1))
+        f.arrow((left + 60, 77.5), (left + 50, 112))
+        f.text((left + 62, 120), "SPOS", RED)
+        f.text((left + 75, 52), "SNEG", RED)
+        f.text((left + 60, 10), name)
+    bottom, top = [(470, 55), (640, 62)], [(640, 92), (470, 85)]
+    f.line(bottom + top, BLUE, 1, fill=FILL, close=True)
+    for i, (at, side) in enumerate(zip(bottom + top, (-1, -1, 1, 1), strict=True)):
+        f.dot(at)
+        f.text((at[0], at[1] + (10 if side > 0 else -22)), str(i + 1))
+    f.line(bottom, BLUE, 2.4)
+    f.line(top, BLUE, 2.4)
+    f.text((555, 40), "S1", RED)
+    f.text((555, 96), "S3", RED)
+    f.text((555, 10), "COHAX4")
+    f.write()
+
+
+def analytical_surface() -> None:
+    """The front of an analytical surface."""
+    f = Figure("analytical-surface", 560, 230, "Front of an analytical surface")
+    start, corner, low = (60, 190), (60, 110), (110, 60)
+    arc = [(110 - 50 * math.cos(t), 110 - 50 * math.sin(t)) for t in (math.pi / 2 * i / 24 for i in range(25))]
+    end = (300, 60)
+    f.line([start, *arc, end, (300, 30), (30, 30), (30, 190)], "none", 0, fill=FILL, close=True)
+    f.line([start, *arc, end], BLUE, 2.4)
+    for at in (start, corner, low, end):
+        f.dot(at, BLUE)
+    f.text((66, 202), "START", BLUE, "start")
+    f.text((70, 112), "LINE", BLUE, "start")
+    f.text((112, 42), "CIRCL", BLUE, "start")
+    f.text((300, 42), "LINE", BLUE, "end")
+    f.arrow((60, 150), (95, 150), RED)
+    f.arrow((210, 60), (210, 95), RED)
+    f.text((140, 160), "front: bodies come from here,", RED, "start")
+    f.text((140, 140), "left of the direction from START", RED, "start")
+    f.text((335, 84), "back: the inside of the tool;", anchor="start")
+    f.text((335, 64), "bodies start in front of it", anchor="start")
+    f.write()
+
+
+def target_layers() -> None:
+    """Layers of a target without a mesh."""
+    f = Figure("target-layers", 680, 300, "Layers of *TARGET")
+    axis = 110
+    f.line([(axis, 10), (axis, 292)], GREY, 1.2, "8 3 2 3")
+    f.text((axis - 12, 280), "z", GREY)
+    nose = [(axis, 182), (axis + 14, 200), (axis + 24, 222), (axis + 28, 246), (axis + 28, 288), (axis, 288)]
+    f.line(nose, BLUE, 2, fill=FILL, close=True)
+    f.arrow((axis + 13, 270), (axis + 13, 232))
+    rows = [(170, 130, "#e9e9e9", "STEEL, 0.012", "layer 1"), (130, 95, "white", ", 0.010", "gap: the material is left out"),
+            (95, 45, "#f3e3d3", "ALUMINIUM, 0.015", "layer 2; without a thickness the last layer has no end")]
+    for high, low, colour, text, meaning in rows:
+        f.line([(axis, low), (370, low), (370, high), (axis, high)], INK if colour != "white" else GREY, 1.2,
+               "" if colour != "white" else "3 3", colour, True)
+        f.text((axis + 130, 0.5 * (high + low) - 5), text)
+        f.text((385, 0.5 * (high + low) - 5), meaning, anchor="start", size=12)
+    f.arrow((340, 240), (340, 173), RED)
+    f.text((348, 236), "FRONT: z of the impact face", RED, "start", 12)
+    f.arrow((40, 168), (40, 60))
+    f.text((8, 40), "DIRECTION=-1", anchor="start", size=12)
+    f.arrow((axis, 22), (370, 22), GREY)
+    f.text((240, 5), "RADIUS (default: no lateral face)", GREY, size=12)
+    f.write()
+
+
+def shot_outcomes() -> None:
+    """Outcomes of `revolve limit`."""
+    f = Figure("shot-outcomes", 640, 200, "Outcomes of shots")
+    def body(x, y, up=False) -> None:
+        s = -1 if up else 1
+        f.line([(x - 9, y + 26 * s), (x - 9, y), (x, y - 16 * s), (x + 9, y), (x + 9, y + 26 * s)], BLUE, 1.6, fill=FILL, close=True)
+    cases = [("perforation", 57, "out of the rear face"), ("embedded", 110, "at rest inside"),
+             ("ricochet", 160, "out of the front face"), ("moving", 102, "not at rest at the end"), ("not-met", 160, "has not touched the target")]
+    for i, (name, y, meaning) in enumerate(cases):
+        x = 64 + 128 * i
+        beside = 44 if name == "not-met" else 0
+        f.line([(x - 40, 84), (x + 40 - beside, 84), (x + 40 - beside, 130), (x - 40, 130)], INK, 1, fill="#e9e9e9", close=True)
+        at = x + (28 if beside else 0)
+        body(at, y)
+        if name in ("perforation", "moving", "not-met"):
+            f.arrow((at + 16, y + 16), (at + 16, y - 16), RED)
+        if name == "ricochet":
+            f.arrow((at + 16, y - 12), (at + 34, y + 20), RED)
+        f.text((x, 8), meaning, size=11)
+        f.text((x, 22), name)
+    f.write()
+
+
 if __name__ == "__main__":
-    for draw in (facet, hourglass, return_mapping, contact_gap, shock, richardson):
+    drawings = [facet, hourglass, return_mapping, contact_gap, shock, richardson]
+    for draw in (*drawings, element_faces, analytical_surface, target_layers, shot_outcomes):
         draw()
