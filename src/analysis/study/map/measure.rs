@@ -91,15 +91,17 @@ pub fn measure(
     let base = base_of(bench, axes, &study.rows[row].values)?;
     let model = model::build(&base.read(&base.overrides).0).0;
     let study_cycles: f64 = study.rows.iter().flat_map(|row| &row.run).map(StudyRun::element_cycles).sum();
-    let plan = MapPlan::of(run.element_cycles(), study_cycles, count);
-    let patches = patches(&model, plan.regions);
-    let runs = CompanionRuns::of(&base, &model, &patches, plan.has_both_orders);
-    let all = runs.all.as_ref().map_err(StudyError::clone)?;
+    let all_elements = vec![true; model.mesh.elements.len()];
+    let all = &base.run(Some(&all_elements.into()), &[])?;
+    let plan = MapPlan { all: all.element_cycles(), budget: LARGEST_COST * study_cycles };
+    let patches = patches(&model, plan.regions(count));
+    let has_both_orders = plan.fits(patches.len());
+    let runs = CompanionRuns::of(&base, &model, &patches, has_both_orders);
     let uniform = all.found.number().ok_or_else(|| wrong("the quantity must be a number"))?;
     let (factor, factor_source) = factor(study, reference.value - value, uniform - value);
     let half = runs.half.as_ref().and_then(|half| half.as_ref().ok());
     let correction = IncrementCorrection::of([run, all], value, half);
-    let noise = noise(study, factor, plan.has_both_orders);
+    let noise = noise(study, factor, has_both_orders);
     let changes = runs.changes([run, all], &correction);
     let region = |at: usize| {
         let elements = patches[at].iter().map(|&e| model.mesh.elements[e].name.to_string()).collect();
@@ -113,7 +115,7 @@ pub fn measure(
     let increment = factor * correction.whole;
     let sum = increment + shares.iter().filter_map(|region| region.share).sum::<f64>();
     let error = reference.value - value;
-    let element_cycles = runs.element_cycles();
+    let element_cycles = runs.element_cycles() + all.element_cycles();
     let map = ErrorMap {
         quantity: bench.measure().text.clone(),
         setting: setting(study, row),
@@ -121,6 +123,7 @@ pub fn measure(
         error,
         error_uncertainty: reference.uncertainty,
         uniform_change: uniform - value,
+        level_change: level_change(study),
         factor,
         factor_source,
         regions: shares,
@@ -128,7 +131,7 @@ pub fn measure(
         noise,
         sum,
         difference: sum - error,
-        companions: runs.count(),
+        companions: runs.count() + 1,
         element_cycles,
         cost: element_cycles / study_cycles,
         version: env!("CARGO_PKG_VERSION"),
@@ -154,22 +157,26 @@ fn base_of<'a>(bench: &StudyRunner<'a>, axes: &[StudyAxis], values: &[String]) -
     Ok(MapBase { source, quantity, overrides, edits, text: Some(text) })
 }
 
-/// Number of regions, and whether they are refined in both orders.
+/// Number of runs within the largest cost.
 struct MapPlan {
-    regions: usize,
-    has_both_orders: bool,
+    /// Element-cycles of a run with all regions refined.
+    all: f64,
+    /// Largest element-cycles of all companion runs.
+    budget: f64,
 }
 
 impl MapPlan {
-    /// Chooses within the largest cost. A run with some refined regions has the increments of half the element size and, in
-    /// the mean over an order, 2.5 times as many elements.
-    fn of(base_cycles: f64, study_cycles: f64, count: Option<usize>) -> MapPlan {
-        let budget = LARGEST_COST * study_cycles / (2.0 * base_cycles);
-        // The run with all regions has four times as many elements, that with half the increment as many.
-        let fits = |regions: &usize| 2.0 * 2.5 * (*regions - 1) as f64 + 5.0 <= budget;
+    /// Returns whether the runs of both orders are within the budget. In the mean over an order, a run has 2.5 instead of 4
+    /// times as many elements as the coarsest level, and the increments of half the element size.
+    fn fits(&self, regions: usize) -> bool {
+        let runs_in_both_orders = 2.0 * regions.saturating_sub(1) as f64;
+        self.all * (2.5 / 4.0 * runs_in_both_orders + 1.25) <= self.budget
+    }
+
+    /// Returns the given number of regions, or the largest one up to the default that is within the budget.
+    fn regions(&self, given: Option<usize>) -> usize {
         let [least, default, _] = REGIONS;
-        let regions = count.or_else(|| (least..=default).rev().find(fits)).unwrap_or(least);
-        MapPlan { regions, has_both_orders: fits(&regions) }
+        given.or_else(|| (least..=default).rev().find(|regions| self.fits(*regions))).unwrap_or(least)
     }
 }
 
@@ -178,8 +185,6 @@ type RunResult = Result<StudyRun, StudyError>;
 
 /// Results of the companion runs.
 struct CompanionRuns {
-    /// All elements are refined.
-    all: RunResult,
     /// The mesh is unchanged, with half the increment; `None` if the increment cannot be changed.
     half: Option<RunResult>,
     /// The first regions are refined: one, two and so on, but not all.
@@ -198,23 +203,21 @@ impl CompanionRuns {
         let half_increment = || edit(&StudyParameter::Increment, "0.5").ok().flatten();
         let half_increment = if deforms(model) { half_increment() } else { None };
         let count = patches.len();
-        let mut tasks: Vec<Option<ElementMarks>> = vec![Some(marks(patches))];
-        tasks.extend((1..count).map(|refined| Some(marks(&patches[..refined]))));
+        let mut tasks: Vec<Option<ElementMarks>> = (1..count).map(|refined| Some(marks(&patches[..refined]))).collect();
         tasks.extend((1..count).filter(|_| has_both_orders).map(|refined| Some(marks(&patches[count - refined..]))));
         tasks.extend(half_increment.as_ref().map(|_| None));
         let run = |task: &Option<ElementMarks>| match task {
             Some(marks) => base.run(Some(marks), &[]),
             None => base.run(None, half_increment.as_slice()),
         };
-        let mut results: Vec<RunResult> = tasks.par_iter().map(run).collect();
-        let half = half_increment.is_some().then(|| results.pop()).flatten();
-        let mut first = results.split_off(1);
+        let mut first: Vec<RunResult> = tasks.par_iter().map(run).collect();
+        let half = half_increment.is_some().then(|| first.pop()).flatten();
         let last = first.split_off(count - 1);
-        CompanionRuns { all: results.swap_remove(0), half, first, last }
+        CompanionRuns { half, first, last }
     }
 
     fn each(&self) -> impl Iterator<Item = &RunResult> {
-        self.first.iter().chain(&self.last).chain([&self.all]).chain(&self.half)
+        self.first.iter().chain(&self.last).chain(&self.half)
     }
 
     fn count(&self) -> usize {
@@ -241,7 +244,15 @@ impl CompanionRuns {
     }
 }
 
-/// Returns the factor from the change with half the element size to the error.
+/// Returns the change of the quantity from the first to the second level, if its size is half as large.
+fn level_change(study: &RefinementStudy) -> Option<f64> {
+    let series = &study.series[0];
+    let [coarse, fine, ..] = series.sizes[..] else { return None };
+    let value = |at: usize| study.rows[*series.rows.get(at)?].value;
+    (coarse / fine - 2.0).abs().lt(&1e-9).then(|| Some(value(1)? - value(0)?)).flatten()
+}
+
+/// Returns the factor from the change with half the element size to the error. Equation (15.11).
 fn factor(study: &RefinementStudy, error: f64, change: f64) -> (f64, FactorSource) {
     let of_order = |order: f64| 1.0 / (1.0 - libm::pow(2.0, -order));
     let order = study.series[0].estimate.and_then(|estimate| estimate.order);
@@ -301,6 +312,7 @@ struct RegionChanges {
 }
 
 impl RegionChanges {
+    /// Returns the share of a region. Equation (15.10).
     fn share(self, region: MeshRegion, bounds: [[f64; 2]; 2], factor: f64, noise: f64) -> RegionShare {
         let failures = [self.forward.as_ref().err(), self.backward.as_ref().and_then(|change| change.as_ref().err())];
         let failure = failures.into_iter().flatten().next().map(ToString::to_string);
@@ -309,14 +321,14 @@ impl RegionChanges {
             (Some(forward), Some(backward)) => Some(0.5 * (forward + backward)),
             _ => forward.or(backward),
         };
-        let interaction = forward.zip(backward).map_or(0.0, |(a, b)| 0.5 * factor * (a - b).abs());
+        let interaction = forward.zip(backward).map(|(a, b)| 0.5 * factor * (a - b).abs());
         RegionShare {
             region,
             bounds,
             share: change.map(|change| factor * change),
             forward,
             backward,
-            uncertainty: change.map(|_| interaction + noise),
+            uncertainty: interaction.map(|interaction| interaction + noise),
             failure,
         }
     }

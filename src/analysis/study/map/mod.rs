@@ -31,7 +31,7 @@ pub struct RegionShare {
     pub forward: Option<f64>,
     /// Change of the quantity if this region is refined after those that follow in the list; absent without such runs.
     pub backward: Option<f64>,
-    /// Uncertainty of the share: half the difference between both changes, and the noise.
+    /// Uncertainty of the share: half the difference between both changes, and the noise; absent without both.
     pub uncertainty: Option<f64>,
     /// Why a change is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -65,6 +65,8 @@ pub struct ErrorMap {
     pub error_uncertainty: f64,
     /// Change of the quantity if all elements are refined.
     pub uniform_change: f64,
+    /// Change of the quantity from the first to the second level of the study, if its size is half as large.
+    pub level_change: Option<f64>,
     /// Factor from the change with half the element size to the distance from the limit: 1 / (1 - 2^-p) with the order p.
     pub factor: f64,
     /// Source of the factor.

@@ -5,6 +5,8 @@ use crate::study::table::{TextTable, cell, digits, short};
 
 /// Number of regions that the sentences name.
 const NAMED: usize = 3;
+/// Largest relative difference between the changes by half the element size and by the second level.
+const SAME_CHANGE: f64 = 0.1;
 
 /// Returns the table of an error map with few digits or with all digits.
 pub fn table(map: &ErrorMap, all_digits: bool) -> TextTable {
@@ -56,8 +58,9 @@ pub fn conclusions(map: &ErrorMap) -> Vec<String> {
     largest.sort_by(|a, b| magnitude(b).total_cmp(&magnitude(a)));
     let names = largest.iter().take(NAMED).map(|region| {
         let share = region.share.unwrap_or_default();
-        let uncertainty = region.uncertainty.unwrap_or_default();
-        format!("{} {} (+- {})", region.region.name, percent(share), short((100.0 * uncertainty / map.error).abs()))
+        let uncertainty = |value: f64| format!(" (+- {})", short((100.0 * value / map.error).abs()));
+        let uncertainty = region.uncertainty.map(uncertainty).unwrap_or_default();
+        format!("{} {}{uncertainty}", region.region.name, percent(share))
     });
     let mut lines = vec![
         format!(
@@ -83,6 +86,24 @@ pub fn conclusions(map: &ErrorMap) -> Vec<String> {
             short(map.cost)
         ),
     ];
+    if map.level_change.is_some_and(|level| (map.uniform_change - level).abs() > SAME_CHANGE * level.abs()) {
+        lines.push(format!(
+            "half the element size changes the quantity by {}, the second level by {}: the parameter of the study changes more \
+             than the element size; use --refine mesh=1,2,4",
+            short(map.uniform_change),
+            short(map.level_change.unwrap_or_default())
+        ));
+    }
+    if map.regions.iter().all(|region| region.backward.is_none()) {
+        lines.push(
+            "the uncertainty of the shares is not estimated: runs in the reverse order would cost more than twice the study; \
+             add a finer level"
+                .into(),
+        );
+    }
+    if map.regions.iter().any(|region| region.share.is_none()) {
+        lines.push("the sum does not contain regions without a share".into());
+    }
     if map.noise > 0.0 {
         lines.push(format!("noise of a share: {} ({})", short(map.noise), percent(map.noise)));
     }

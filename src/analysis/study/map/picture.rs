@@ -3,7 +3,7 @@
 use super::ErrorMap;
 use crate::model::Mesh;
 use crate::output::drawing::{Colour, Drawing, LineStroke, ShapePaint, TextAnchor, TextLabel};
-use crate::study::table::short;
+use crate::study::table::{digits, short};
 
 /// Size of the plot and margins in points; the lower one contains the colour bar.
 const PLOT: [f64; 2] = [860.0, 560.0];
@@ -11,11 +11,11 @@ const MARGIN: [f64; 4] = [60.0, 60.0, 70.0, 90.0];
 /// Width and height of the colour bar, and number of its rectangles.
 const BAR: [f64; 2] = [400.0, 14.0];
 const BAR_PARTS: usize = 40;
-/// Colours of the largest share that increases the value, and of the largest one that decreases it.
+/// Colours of the largest share that adds to the error, and of the largest one that reduces it.
 const RED: [f64; 3] = [178.0, 24.0, 43.0];
 const BLUE: [f64; 3] = [33.0, 102.0, 172.0];
 
-/// Draws the mesh; each element has the colour of the share of its region, in per cent of the magnitude of the error.
+/// Draws the mesh; each element has the colour of the share of its region, in per cent of the error.
 pub fn draw(map: &ErrorMap, mesh: &Mesh, title: &str) -> Drawing {
     let all: Vec<usize> = (0..mesh.elements.len()).filter(|&e| !mesh.elements[e].kind.is_discrete()).collect();
     let [low, high] = super::bounds(mesh, &all);
@@ -32,7 +32,7 @@ pub fn draw(map: &ErrorMap, mesh: &Mesh, title: &str) -> Drawing {
     };
     let mut drawing = Drawing::new([width.round(), height.round()]);
     drawing.label(TextLabel { size: 16.0, ..TextLabel::new([left, 28.0], TextAnchor::Start, title) });
-    let shares: Vec<f64> = map.regions.iter().map(|r| 100.0 * r.share.unwrap_or(0.0) / map.error.abs()).collect();
+    let shares: Vec<f64> = map.regions.iter().map(|r| 100.0 * r.share.unwrap_or(0.0) / map.error).collect();
     let largest = shares.iter().fold(f64::MIN_POSITIVE, |largest, share| share.abs().max(largest));
     let names = mesh.elements.iter().enumerate().map(|(at, element)| (&*element.name, at));
     let places: std::collections::HashMap<&str, usize> = names.collect();
@@ -46,9 +46,12 @@ pub fn draw(map: &ErrorMap, mesh: &Mesh, title: &str) -> Drawing {
     }
     for (region, share) in map.regions.iter().zip(&shares) {
         let [low, high] = region.bounds;
-        let centre = place([0, 1].map(|i| 0.5 * (low[i] + high[i])));
-        let label = format!("{} {} %", region.region.name, short(*share));
-        drawing.label(TextLabel { size: 12.0, ..TextLabel::new(centre, TextAnchor::Middle, label) });
+        let [x, y] = place([0, 1].map(|i| 0.5 * (low[i] + high[i])));
+        let share = if region.share.is_some() { digits(*share, 2) } else { "?".into() };
+        for (line, text) in [region.region.name.clone(), share].into_iter().enumerate() {
+            let at = [x, y + 13.0 * line as f64];
+            drawing.label(TextLabel { size: 11.0, ..TextLabel::new(at, TextAnchor::Middle, text) });
+        }
     }
     draw_bar(&mut drawing, [left, height - 0.6 * bottom], largest);
     drawing
@@ -67,7 +70,7 @@ fn draw_bar(drawing: &mut Drawing, [x, y]: [f64; 2], largest: f64) {
         drawing.label(TextLabel { size: 12.0, ..TextLabel::new(at, TextAnchor::Middle, text) });
     }
     let at = [x, y - 6.0];
-    let text = "share, % of the error: expected change of the quantity if the region is refined without limit";
+    let text = "share, % of the error: red regions add to the error, blue ones reduce it, grey ones have no result";
     drawing.label(TextLabel { size: 12.0, ..TextLabel::new(at, TextAnchor::Start, text) });
 }
 

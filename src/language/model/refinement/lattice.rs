@@ -14,16 +14,39 @@ pub type NodeWeights = [(usize, f64); 4];
 /// Divides each edge of a mesh into `factor` parts, or into two parts the edges of some elements, and of elements that
 /// these require for a conforming mesh. New nodes have no names yet, and all children have the name of their parent.
 pub fn refine(mesh: &mut Mesh, factor: usize, refined_elements: Option<&[bool]>, curves: &EdgeCurves) -> RefinedMesh {
-    let originals = mesh.points.len();
-    let parents = std::mem::take(&mut mesh.elements);
-    let mut edges = EdgeTable::new(&parents);
-    match refined_elements {
-        Some(elements) => {
-            let is_divided = local::divided_edges(&parents, &edges, elements);
-            edges.divide(factor, originals, |place| is_divided[place]);
+    let Some(elements) = refined_elements else {
+        let parents = std::mem::take(&mut mesh.elements);
+        return divide(mesh, parents, factor, curves, |_, _| vec![true]);
+    };
+    let mut is_refined = elements.to_vec();
+    loop {
+        let parents = mesh.elements.clone();
+        let refined =
+            divide(mesh, parents, factor, curves, |parents, edges| local::divided_edges(parents, edges, &is_refined));
+        let concave = refined.concave_transitions(mesh);
+        if concave.is_empty() {
+            return refined;
         }
-        None => edges.divide(factor, originals, |_| true),
+        // Where edges are curved, a transition can be concave: these elements are refined.
+        is_refined.resize(refined.parents.len(), false);
+        concave.into_iter().for_each(|parent| is_refined[parent] = true);
+        mesh.points.truncate(refined.originals);
+        mesh.elements = refined.parents;
     }
+}
+
+/// Divides the edges of a mesh for which `divided` returns true, in the order of the table; one value is that of all edges.
+fn divide(
+    mesh: &mut Mesh,
+    parents: Vec<Element>,
+    factor: usize,
+    curves: &EdgeCurves,
+    divided: impl Fn(&[Element], &EdgeTable) -> Vec<bool>,
+) -> RefinedMesh {
+    let originals = mesh.points.len();
+    let mut edges = EdgeTable::new(&parents);
+    let is_divided = divided(&parents, &edges);
+    edges.divide(factor, originals, |place| is_divided.get(place).copied().unwrap_or(is_divided[0]));
     let mut refined = RefinedMesh {
         factor,
         originals,
@@ -36,6 +59,7 @@ pub fn refine(mesh: &mut Mesh, factor: usize, refined_elements: Option<&[bool]>,
     };
     refined.number_nodes();
     refined.place_nodes(&mut mesh.points, curves);
+    mesh.elements.clear();
     for parent in 0..refined.parents.len() {
         refined.first_child.push(mesh.elements.len());
         refined.add_children(parent, mesh);
@@ -79,6 +103,16 @@ impl RefinedMesh {
             Some(sides) => templates::inner_count(kind, sides),
             None => inner_count(kind, self.factor),
         }
+    }
+
+    /// Returns the elements with some, but not all edges divided, of whose children one is not convex.
+    fn concave_transitions(&self, mesh: &Mesh) -> Vec<usize> {
+        let is_concave = |&parent: &usize| {
+            let is_transition = self.partial_division(parent).is_some_and(|sides| sides != 0);
+            is_transition && self.children(parent).any(|child| !templates::is_convex(mesh, &mesh.elements[child].nodes))
+        };
+        let is_convex = |parent: &usize| templates::is_convex(mesh, &self.parents[*parent].nodes);
+        (0..self.parents.len()).filter(is_concave).filter(is_convex).collect()
     }
 
     /// Returns the divided sides of an element, as bits, if not all its edges are divided.

@@ -6,7 +6,7 @@
 //! they are on.
 
 use crate::model::element_nodes::NodeIndices;
-use crate::model::types::ElementKind;
+use crate::model::types::{ElementKind, Mesh};
 
 /// Nodes of a child, and the sides that are on sides of its parent, as bits.
 pub type ChildElement = (NodeIndices, u8);
@@ -14,6 +14,25 @@ pub type ChildElement = (NodeIndices, u8);
 /// Returns the number of new nodes inside an element whose sides `divided`, given as bits, are divided.
 pub fn inner_count(kind: ElementKind, divided: u8) -> usize {
     usize::from(kind.is_solid() && kind.node_count() == 4 && corner_between(divided, 4).is_some())
+}
+
+/// Smallest sine of an angle between two sides of a convex element.
+const SMALLEST_SINE: f64 = 1e-3;
+
+/// Returns whether the angles of an element are between 0 and 180 degrees; sides without length are ignored.
+pub fn is_convex(mesh: &Mesh, nodes: &[usize]) -> bool {
+    let mut corners = nodes.to_vec();
+    corners.dedup();
+    if corners.first() == corners.last() {
+        corners.pop();
+    }
+    let point = |at: usize| mesh.points[corners[at % corners.len()]];
+    (0..corners.len()).all(|at| {
+        let [a, b, c] = [point(at), point(at + 1), point(at + 2)];
+        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
+        let lengths = ((u[0] * u[0] + u[1] * u[1]) * (v[0] * v[0] + v[1] * v[1])).sqrt();
+        u[0] * v[1] - u[1] * v[0] > SMALLEST_SINE * lengths
+    })
 }
 
 /// Returns the second one of two adjacent divided sides, and of them only; its first node is between both.
