@@ -7,6 +7,7 @@ mod browser;
 mod command_line;
 mod composed;
 mod diagram;
+mod error_map;
 mod evaluate;
 mod extending;
 mod faults;

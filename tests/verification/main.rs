@@ -45,6 +45,7 @@ mod infinite;
 mod large_motion;
 mod links;
 mod loads;
+mod local_refinement;
 mod mass_scaling;
 mod materials;
 mod meshes_at_walls;

@@ -209,7 +209,7 @@ fn six_node_triangles_keep_their_midside_nodes() {
 }
 
 /// Integrals of a model with pressures, gravity, point masses and forces.
-fn totals(model: &Model) -> Vec<(&'static str, f64)> {
+pub fn totals(model: &Model) -> Vec<(&'static str, f64)> {
     let mesh = &model.mesh;
     // Volume and first moment along z of a triangle: exact for quadratic integrands, by the midpoints of its sides.
     let triangle = |[a, b, c]: [[f64; 2]; 3]| {
@@ -261,7 +261,7 @@ fn face_totals(model: &Model, faces: &[(usize, ElementSide)]) -> [(&'static str,
     [("area", sums[0]), ("resultant along r", sums[1]), ("resultant along z", sums[2]), ("moment of pressure", sums[3])]
 }
 
-fn assert_same_totals(what: &str, coarse: &[(&str, f64)], fine: &[(&str, f64)]) {
+pub fn assert_same_totals(what: &str, coarse: &[(&str, f64)], fine: &[(&str, f64)]) {
     assert_eq!(coarse.len(), fine.len(), "{what}");
     for ((name, a), (_, b)) in coarse.iter().zip(fine) {
         // Resultants and moments may cancel; the models have sizes near one.
@@ -271,15 +271,15 @@ fn assert_same_totals(what: &str, coarse: &[(&str, f64)], fine: &[(&str, f64)]) 
 }
 
 /// A random mesh of quadrilaterals and triangles, and the nodes of its lines.
-struct RandomMesh {
-    text: String,
+pub struct RandomMesh {
+    pub text: String,
     /// Sets of nodes on lines of the grid.
-    lines: Vec<(&'static str, Vec<usize>)>,
+    pub lines: Vec<(&'static str, Vec<usize>)>,
 }
 
 /// Returns a distorted grid whose cells are quadrilaterals or two triangles, with sets, pressures, gravity, forces and
 /// point masses.
-fn random_mesh(seed: u64) -> RandomMesh {
+pub fn random_mesh(seed: u64) -> RandomMesh {
     let mut random = RandomSequence(seed);
     let (n, m) = (random.count(2, 5), random.count(2, 5));
     let node = |i: usize, j: usize| 1 + i + j * (n + 1);

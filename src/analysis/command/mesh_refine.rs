@@ -8,6 +8,7 @@ use clap::Args;
 use super::options::{CurvedOption, QuietOption, SetOption};
 use super::words::print_out;
 use super::{CommandStatus, accept};
+use crate::study::map::regions;
 use crate::{deck, model};
 
 /// Arguments of `revolve mesh refine`.
@@ -16,8 +17,15 @@ pub struct RefineArguments {
     /// Input deck.
     deck: PathBuf,
     /// Number of parts of each edge; 1 lists the mesh as it is, and 1/2 or 1/3 merges elements.
-    #[arg(short = 'k', value_name = "PARTS")]
-    parts: String,
+    #[arg(short = 'k', value_name = "PARTS", required_unless_present = "regions")]
+    parts: Option<String>,
+    /// Divide only the edges of these element sets, or regions of --map, into two parts; neighbouring elements are replaced
+    /// by conforming transitions.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with = "parts")]
+    regions: Vec<String>,
+    /// Error map `<job>_map.json` of `revolve study --map` that defines the regions.
+    #[arg(long, value_name = "FILE", requires = "regions")]
+    map: Option<PathBuf>,
     #[command(flatten)]
     curved: CurvedOption,
     #[command(flatten)]
@@ -32,9 +40,14 @@ pub struct RefineArguments {
 impl RefineArguments {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let mut settings = self.set.pairs()?;
-        settings.push((deck::MESH_SETTINGS[0].to_owned(), self.parts));
+        settings.extend(self.parts.clone().map(|parts| (deck::MESH_SETTINGS[0].to_owned(), parts)));
         settings.extend(self.curved.setting());
-        let (deck, mut findings) = deck::read(&self.deck, &settings);
+        let (mut deck, mut findings) = deck::read(&self.deck, &settings);
+        if !self.regions.is_empty() && !findings.has_errors() {
+            let (model, build_findings) = model::build(&deck);
+            accept(&build_findings, &deck.sources, true)?;
+            deck.refine_elements(regions::named(&model, &self.regions, self.map.as_deref())?);
+        }
         let mut text = String::new();
         if !findings.has_errors() {
             let (written, write_findings) = model::relisting::write(&deck);

@@ -11,6 +11,7 @@ pub mod info;
 pub mod limit;
 pub mod line;
 pub mod lsp;
+mod map;
 pub mod material;
 pub mod mesh;
 mod mesh_refine;

@@ -11,6 +11,7 @@ use crate::study::chosen;
 use crate::study::convergence::{self, RefinementRequest};
 use crate::study::effects::{self, EffectAblation};
 use crate::study::jitter::NoiseRequest;
+use crate::study::map::measure::measure;
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, CompletedStudy};
 use crate::study::refinement::{RefinementStudy, StudyRow};
@@ -21,6 +22,7 @@ use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
+use super::map::{self, MapOptions};
 use super::options::{CurvedOption, OutputOptions, ResultOptions, SetOption};
 use super::words::{print_err, print_out};
 use super::{
@@ -60,6 +62,8 @@ pub struct StudyCommand {
     #[arg(long, conflicts_with_all = ["exact", "target"])]
     ablate: bool,
     #[command(flatten)]
+    map: MapOptions,
+    #[command(flatten)]
     set: SetOption,
     #[command(flatten)]
     curved: CurvedOption,
@@ -90,7 +94,7 @@ impl StudyCommand {
         let first = job::prepare(&self.deck, &overrides, &routines);
         accept(&first.diagnostics, &first.deck.sources, self.output.is_silent())?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
-        let axes = settings::axes(&self.refine, &parameters)?;
+        let axes = settings::axes(&self.map.default_levels(&self.refine), &parameters)?;
         let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
         let axes = match (self.ablate, self.around) {
             (true, _) if axes.is_empty() => effects::default_axes()?,
@@ -131,12 +135,22 @@ impl StudyCommand {
             around: self.around,
         };
         let completed = convergence::refine(&mut bench, &request)?;
+        let measured = if self.map.map {
+            let count = self.map.map_regions.map(usize::from);
+            Some(measure(&bench, &axes, &completed.study, count)?)
+        } else {
+            None
+        };
         bar.finish_and_clear();
         let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &completed)?;
         if self.output.json {
             print_out!("{}", record.trim_end());
         } else if !quiet {
             print(&completed, &quantity, &job);
+        }
+        if let Some(measured) = &measured {
+            map::write(&job, measured, &format!("{}: {}", job.name, labels.of(&quantity.text)))?;
+            map::print(&job, &measured.map, self.output);
         }
         print_run_warnings(&run_warnings(&axes, &completed.study));
         completed.study.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));

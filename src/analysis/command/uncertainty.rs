@@ -1,7 +1,7 @@
 //! `revolve run --uncertainty`: options, companion runs, and the certificate file.
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::deck;
@@ -9,6 +9,7 @@ use crate::job::{ParameterOverrides, PreparedJob, RunSummary};
 use crate::output::{self, JobFiles};
 use crate::study::chosen::{self, ChosenSetting, TargetRequest};
 use crate::study::inputs::RandomInputs;
+use crate::study::map::regions::MapFile;
 use crate::study::quantity::Quantity;
 use crate::study::record::CERTIFICATE;
 use crate::study::runner::{RunSource, element_count};
@@ -65,6 +66,10 @@ pub struct UncertaintyOptions {
     /// for `scatter`; can be repeated.
     #[arg(long, value_name = "NAME=DISTRIBUTION", requires = "uncertainty")]
     distribution: Vec<String>,
+    /// Error map `<job>_map.json` of `revolve study --map`: the line of its quantity names the regions with the largest shares
+    /// of the mesh error.
+    #[arg(long, value_name = "FILE", requires = "uncertainty")]
+    map: Option<PathBuf>,
 }
 
 /// A run whose uncertainty is estimated.
@@ -158,10 +163,18 @@ impl UncertaintyOptions {
             energies: [summary.energy.kinetic, summary.energy.internal],
         };
         let (deck, digest) = (prepared.identity("").deck, summary.digest.clone());
-        let certificate = match chosen {
+        let mut certificate = match chosen {
             Some(chosen) => of_chosen(chosen, &plain_run, deck, digest),
             None => estimate_run(&request, &plain_run, deck, digest),
         };
+        if let Some(path) = &self.map {
+            let map = MapFile::read(path)?;
+            if !certificate.add_regions(&map.quantity, &map.shares()) {
+                return Err(
+                    format!("--map {}: its quantity {} is not a --quantity", path.display(), map.quantity).into()
+                );
+            }
+        }
         let text = serde_json::to_string_pretty(&certificate)? + "\n";
         output::write_with_sums(job, &[(CERTIFICATE.into(), text.into_bytes())], "_certificate.sfv")?;
         Ok(certificate)

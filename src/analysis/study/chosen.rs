@@ -184,6 +184,8 @@ fn quantity(
         increment: increment.map(|change| 2.0 * change * increments(0) / increments(row)),
         noise: study.noise.as_ref().map(|noise| noise.uncertainty),
         input: None,
+        inputs: Vec::new(),
+        regions: Vec::new(),
         dominant: None,
     };
     QuantityUncertainty { dominant: parts.dominant_part(), ..parts }

@@ -30,6 +30,8 @@ pub(crate) mod law;
 #[cfg(feature = "cli")]
 pub mod limit;
 #[cfg(feature = "cli")]
+pub mod map;
+#[cfg(feature = "cli")]
 pub mod material;
 pub mod noise;
 mod passage;

@@ -149,8 +149,13 @@ impl<'a> StudyRunner<'a> {
     }
 
     /// Returns the quantity that is evaluated for each setting.
-    pub fn measure(&self) -> &Quantity {
+    pub fn measure(&self) -> &'a Quantity {
         self.measure
+    }
+
+    /// Returns the deck and the user subroutines.
+    pub fn source(&self) -> RunSource<'a> {
+        self.source
     }
 
     /// Returns the number of runs of each setting.
@@ -195,7 +200,7 @@ impl<'a> StudyRunner<'a> {
     }
 
     /// Returns the overrides of the deck and the edits of the model for one value of each axis.
-    fn setting(&self, axes: &[StudyAxis], values: &[String]) -> Result<RunSetting, StudyError> {
+    pub(super) fn setting(&self, axes: &[StudyAxis], values: &[String]) -> Result<RunSetting, StudyError> {
         let mut overrides = self.overrides.clone();
         let mut edits: Vec<ModelEdit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
@@ -233,7 +238,7 @@ pub fn element_count(prepared: &PreparedJob) -> usize {
 }
 
 /// Overrides of the deck, and edits of the model.
-type RunSetting = (Vec<(String, String)>, Vec<ModelEdit>);
+pub(super) type RunSetting = (Vec<(String, String)>, Vec<ModelEdit>);
 
 impl RunSource<'_> {
     /// Runs the deck once, with the edits of all lists, and returns a result for each quantity.

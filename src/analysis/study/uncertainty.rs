@@ -28,6 +28,8 @@ const RATIOS: [&[u32]; 2] = [&[4, 2], &[3]];
 /// Smallest uncertainty of a value from two meshes, as a fraction of the value, over the change of the kinetic or internal
 /// energy between them as a fraction of their sum.
 const SHARE_OF_ENERGIES: f64 = 0.25;
+/// Number of random parameters or regions that a line names.
+const LISTED_SHARES: usize = 3;
 /// Number of perturbed runs.
 const NOISE_RUNS: usize = 4;
 
@@ -91,6 +93,15 @@ pub struct MeshLevel {
     pub value: f64,
 }
 
+/// Part of an uncertainty with its source.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedShare {
+    /// Name of a random parameter or of a region.
+    pub name: String,
+    /// Fraction of the whole.
+    pub share: f64,
+}
+
 /// Value of a quantity with its uncertainties, in the units of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct QuantityUncertainty {
@@ -112,6 +123,12 @@ pub struct QuantityUncertainty {
     pub noise: Option<f64>,
     /// Half-width of the 95 % interval due to the random parameters, to first order.
     pub input: Option<f64>,
+    /// Fractions of the variance due to each random parameter, the largest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<NamedShare>,
+    /// Fractions of the mesh error of each region of an error map, those of the largest magnitude first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<NamedShare>,
     /// Name of the largest part; `None` if no part is known.
     pub dominant: Option<&'static str>,
 }
@@ -386,6 +403,8 @@ impl QuantityRuns<'_> {
             increment,
             noise: self.noise(),
             input: self.input(),
+            inputs: self.input_shares(request),
+            regions: Vec::new(),
             dominant: None,
         };
         uncertainty.dominant = uncertainty.dominant_part();
@@ -439,12 +458,30 @@ impl QuantityRuns<'_> {
         (!values.is_empty()).then(|| noise::of_runs(base, values.into_iter()).uncertainty)
     }
 
-    /// Adds the variances of the random parameters, each from two values one standard deviation apart from the median.
-    fn input(&self) -> Option<f64> {
-        let changes: Vec<(CompanionPurpose, f64)> = self.changes(|p| matches!(p, CompanionPurpose::Input(_))).collect();
+    /// Returns the variance due to each random parameter, from two values one standard deviation apart from the median.
+    fn variances(&self) -> Vec<(usize, f64)> {
+        let index = |purpose| if let CompanionPurpose::Input(index) = purpose { Some(index) } else { None };
+        let changes: Vec<(usize, f64)> =
+            self.changes(|p| index(p).is_some()).filter_map(|(p, change)| Some((index(p)?, change))).collect();
         let pairs = changes.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2);
-        let variances: Vec<f64> = pairs.map(|pair| 0.25 * (pair[1].1 - pair[0].1) * (pair[1].1 - pair[0].1)).collect();
-        (!variances.is_empty()).then(|| student(f64::INFINITY) * variances.iter().sum::<f64>().sqrt())
+        pairs.map(|pair| (pair[0].0, 0.25 * (pair[1].1 - pair[0].1) * (pair[1].1 - pair[0].1))).collect()
+    }
+
+    /// Adds the variances of the random parameters.
+    fn input(&self) -> Option<f64> {
+        let variances = self.variances();
+        let sum: f64 = variances.iter().map(|variance| variance.1).sum();
+        (!variances.is_empty()).then(|| student(f64::INFINITY) * sum.sqrt())
+    }
+
+    /// Returns the fraction of the variance due to each random parameter, the largest first.
+    fn input_shares(&self, request: &UncertaintyRequest<'_>) -> Vec<NamedShare> {
+        let mut variances = self.variances();
+        let sum: f64 = variances.iter().map(|variance| variance.1).sum();
+        variances.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let name = |index: usize| request.inputs.and_then(|inputs| inputs.names.get(index)).cloned();
+        let share = |(index, variance): (usize, f64)| Some(NamedShare { name: name(index)?, share: variance / sum });
+        variances.into_iter().filter(|_| sum > 0.0).filter_map(share).collect()
     }
 }
 
@@ -469,10 +506,13 @@ impl QuantityUncertainty {
         let Some(numerical) = self.numerical() else {
             return format!("{} = {}, uncertainty not estimated", self.quantity, digits(self.value, 9));
         };
-        let named =
-            self.parts().into_iter().take(3).filter_map(|(name, part)| Some(format!("{name} {}", short(part?))));
-        let more = [(self.noise, "noise"), (self.input, "input")];
-        let more = more.into_iter().filter_map(|(part, name)| Some(format!(" ± {} {name}", short(part?))));
+        let regions = if self.regions.is_empty() { String::new() } else { format!(": {}", list(&self.regions)) };
+        let inputs = if self.inputs.is_empty() { String::new() } else { format!(" ({})", list(&self.inputs)) };
+        let named = self.parts().into_iter().take(3).filter_map(|(name, part)| {
+            Some(format!("{name} {}{}", short(part?), if name == "mesh" { &regions } else { "" }))
+        });
+        let more = [(self.noise, "noise", ""), (self.input, "input", &*inputs)];
+        let more = more.into_iter().filter_map(|(part, name, of)| Some(format!(" ± {} {name}{of}", short(part?))));
         let reason = self.behaviour.and_then(ConvergenceBehaviour::reason);
         format!(
             "{} = {} ± {} numerical ({}){}; dominant: {}{}",
@@ -487,7 +527,23 @@ impl QuantityUncertainty {
     }
 }
 
+/// Returns the names of the largest shares with their fractions in per cent.
+fn list(shares: &[NamedShare]) -> String {
+    let named = |share: &NamedShare| format!("{} {} %", share.name, digits(100.0 * share.share, 2));
+    shares.iter().take(LISTED_SHARES).map(named).collect::<Vec<_>>().join(", ")
+}
+
 impl RunCertificate {
+    /// Adds the shares of the regions of an error map to the quantities that have its expression. Returns whether there is
+    /// one.
+    pub fn add_regions(&mut self, expression: &str, regions: &[NamedShare]) -> bool {
+        let mut quantities = self.quantities.iter_mut().filter(|quantity| quantity.quantity == expression).peekable();
+        let is_known = quantities.peek().is_some();
+        quantities.for_each(|quantity| quantity.regions = regions.to_vec());
+        self.conclusions = self.lines();
+        is_known
+    }
+
     fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.quantities.iter().map(QuantityUncertainty::sentence).collect();
         lines.extend(self.missing.iter().map(|part| format!("not estimated: {part}")));

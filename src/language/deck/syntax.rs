@@ -21,10 +21,25 @@ pub struct Deck {
     pub definitions: Vec<ParameterDefinition>,
     /// Refinement or coarsening of the mesh; `None` without the setting `mesh`.
     pub mesh_scaling: Option<MeshScaling>,
+    /// Elements whose edges are divided, by their index in the model of the deck without scaling; `None` divides all edges.
+    pub refined_elements: Option<Arc<[bool]>>,
     /// Largest turning angle of smooth boundaries of a refined mesh, degrees; `None` if boundaries remain polylines.
     pub mesh_curves: Option<f64>,
     /// Parts of the deck that could not be read. Each has been reported as an error.
     pub unread: ParseGaps,
+}
+
+impl Deck {
+    /// Requests that the edges of some elements are divided into two parts, in place of any other scaling of the mesh.
+    pub fn refine_elements(&mut self, is_refined: Arc<[bool]>) {
+        self.mesh_scaling = Some(MeshScaling::Refine(2));
+        self.refined_elements = Some(is_refined);
+    }
+
+    /// Returns the uniform change of the element sizes; `None` if only some elements are refined.
+    pub fn uniform_scaling(&self) -> Option<MeshScaling> {
+        self.mesh_scaling.filter(|_| self.refined_elements.is_none())
+    }
 }
 
 /// Parts of a deck that could not be read. References to names that these parts may define are not reported.

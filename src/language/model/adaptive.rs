@@ -91,7 +91,7 @@ pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
         mut minimum_size,
     } = card.values();
     // Lengths of edges, and what they are computed from, follow a refined or coarsened mesh.
-    if let Some(scaling) = context.deck.mesh_scaling {
+    if let Some(scaling) = context.deck.uniform_scaling() {
         let lengths = [("SIZE", &mut size), ("MINIMUM SIZE", &mut minimum_size)];
         let ratios = [("CURVATURE ANGLE", &mut curvature_angle), ("STRAIN CHANGE", &mut strain_change)];
         for (key, value) in lengths.into_iter().chain(ratios) {

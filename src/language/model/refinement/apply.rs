@@ -32,7 +32,7 @@ impl Context<'_> {
         if let Some(corner) = self.deck.mesh_curves {
             smooth::fit(mesh, &regions(coarse), corner.to_radians(), &mut curves);
         }
-        let refined = lattice::refine(mesh, factor, &curves);
+        let refined = lattice::refine(mesh, factor, self.deck.refined_elements.as_deref(), &curves);
         name_nodes(&refined, mesh.points.len(), &mut mesh.node_names);
         name_children(&refined, &mut mesh.elements);
         for set in self.model.element_sets.values_mut() {
@@ -78,7 +78,14 @@ impl Context<'_> {
             let [a, b] = ends.map(|node| mesh.points[node]);
             (b[0] - a[0]).portable_hypot(b[1] - a[1])
         });
-        let tolerance = 0.05 * refined.factor as f64 * lengths.sum::<f64>() / masters.len() as f64;
+        let is_part = |&&(element, side): &&(usize, ElementSide)| {
+            let ends = mesh.side_nodes(element, side);
+            ends.is_some_and(|ends| ends.iter().any(|&node| refined.edges.place(node).is_some()))
+        };
+        let parts = masters.iter().filter(is_part).count();
+        let original_facets = (masters.len() - parts) as f64 + parts as f64 / refined.factor as f64;
+        let parts_per_facet = masters.len() as f64 / original_facets;
+        let tolerance = 0.05 * parts_per_facet * lengths.sum::<f64>() / masters.len() as f64;
         self.add_parameter(card.span, &format!("position tolerance={tolerance:?}"));
         Some(tolerance)
     }

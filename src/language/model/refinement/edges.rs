@@ -9,10 +9,8 @@ use crate::model::types::Element;
 #[derive(Debug, Default)]
 pub struct EdgeTable {
     edges: IndexMap<[usize; 2], Edge>,
-    /// Number of new nodes of each edge.
-    inner: usize,
-    /// First new node of the first edge.
-    first: usize,
+    /// First new node of each edge, and the index after the last new node.
+    first_new: Vec<usize>,
 }
 
 /// An edge of the mesh.
@@ -40,8 +38,8 @@ pub fn edges_of(element: &Element) -> impl Iterator<Item = [usize; 2]> {
 }
 
 impl EdgeTable {
-    /// Collects the edges of elements; each gets `factor - 1` new nodes, from the index `first` on.
-    pub fn new(elements: &[Element], factor: usize, first: usize) -> EdgeTable {
+    /// Collects the edges of elements, without new nodes.
+    pub fn new(elements: &[Element]) -> EdgeTable {
         let mut edges: IndexMap<[usize; 2], Edge> = IndexMap::new();
         for (at, element) in elements.iter().enumerate() {
             for ends in edges_of(element) {
@@ -52,7 +50,33 @@ impl EdgeTable {
                 edge.is_line |= !element.kind.is_solid() && !element.kind.is_cohesive();
             }
         }
-        EdgeTable { edges, inner: factor - 1, first }
+        EdgeTable { edges, first_new: Vec::new() }
+    }
+
+    /// Gives each divided edge `factor - 1` new nodes, from the index `first` on.
+    pub fn divide(&mut self, factor: usize, first: usize, is_divided: impl Fn(usize) -> bool) {
+        let mut next = first;
+        self.first_new = Vec::with_capacity(self.edges.len() + 1);
+        for place in 0..self.edges.len() {
+            self.first_new.push(next);
+            next += if is_divided(place) { factor - 1 } else { 0 };
+        }
+        self.first_new.push(next);
+    }
+
+    /// Returns the number of edges.
+    pub fn len(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// Returns the place of the edge between two nodes in the table.
+    pub fn index(&self, ends: [usize; 2]) -> Option<usize> {
+        self.edges.get_index_of(&sorted_pair(ends))
+    }
+
+    /// Returns whether the edge between two nodes has new nodes.
+    pub fn is_divided(&self, ends: [usize; 2]) -> bool {
+        self.index(ends).is_some_and(|place| !self.new_nodes(place).is_empty())
     }
 
     /// Iterates over the edges with their two nodes, the lower index first.
@@ -62,7 +86,7 @@ impl EdgeTable {
 
     /// Returns the index after the last new node.
     pub fn end(&self) -> usize {
-        self.first + self.inner * self.edges.len()
+        self.first_new.last().copied().unwrap_or(0)
     }
 
     /// Returns whether two nodes are connected by an edge.
@@ -77,8 +101,7 @@ impl EdgeTable {
 
     /// Returns the new nodes of an edge, given by its place in the table.
     pub fn new_nodes(&self, place: usize) -> std::ops::Range<usize> {
-        let first = self.first + place * self.inner;
-        first..first + self.inner
+        self.first_new[place]..self.first_new[place + 1]
     }
 
     /// Returns the node at the end of part `part` of an edge from `a` to `b`; part 0 is node `a`.
@@ -86,17 +109,18 @@ impl EdgeTable {
         if part == 0 || a == b {
             return a;
         }
-        if part > self.inner {
+        let Some(place) = self.index([a, b]) else { return a };
+        let new_nodes = self.new_nodes(place);
+        if part > new_nodes.len() {
             return b;
         }
-        let Some(place) = self.edges.get_index_of(&sorted_pair([a, b])) else { return a };
-        self.new_nodes(place).start + if a < b { part - 1 } else { self.inner - part }
+        new_nodes.start + if a < b { part - 1 } else { new_nodes.len() - part }
     }
 
     /// Returns the edge of a new node, and the number of parts between its first node and the new node.
     pub fn place(&self, node: usize) -> Option<([usize; 2], usize)> {
-        let offset = node.checked_sub(self.first).filter(|_| node < self.end())?;
-        let (ends, _) = self.edges.get_index(offset / self.inner)?;
-        Some((*ends, offset % self.inner + 1))
+        let place = self.first_new.partition_point(|&first| first <= node).checked_sub(1)?;
+        let (ends, _) = self.edges.get_index(place)?;
+        Some((*ends, node - self.first_new[place] + 1))
     }
 }

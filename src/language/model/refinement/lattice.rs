@@ -1,20 +1,52 @@
 //! Lattices of nodes in elements, and the elements between them.
 
 use super::curves::EdgeCurves;
-use super::edges::EdgeTable;
+use super::edges::{EdgeTable, edges_of};
+use super::local;
 use super::mesh::RefinedMesh;
+use super::templates::{self, ChildElement};
 use crate::model::element_nodes::NodeIndices;
 use crate::model::types::{Element, ElementKind, Mesh};
 
 /// Nodes of the deck and their weights in the position of a new node; unused entries have the weight 0.
 pub type NodeWeights = [(usize, f64); 4];
 
-/// Divides each edge of a mesh into `factor` parts. New nodes have no names yet, and all children have the name of
-/// their parent.
-pub fn refine(mesh: &mut Mesh, factor: usize, curves: &EdgeCurves) -> RefinedMesh {
+/// Divides each edge of a mesh into `factor` parts, or into two parts the edges of some elements, and of elements that
+/// these require for a conforming mesh. New nodes have no names yet, and all children have the name of their parent.
+pub fn refine(mesh: &mut Mesh, factor: usize, refined_elements: Option<&[bool]>, curves: &EdgeCurves) -> RefinedMesh {
+    let Some(elements) = refined_elements else {
+        let parents = std::mem::take(&mut mesh.elements);
+        return divide(mesh, parents, factor, curves, |_, _| vec![true]);
+    };
+    let mut is_refined = elements.to_vec();
+    loop {
+        let parents = mesh.elements.clone();
+        let refined =
+            divide(mesh, parents, factor, curves, |parents, edges| local::divided_edges(parents, edges, &is_refined));
+        let concave = refined.concave_transitions(mesh);
+        if concave.is_empty() {
+            return refined;
+        }
+        // Where edges are curved, a transition can be concave: these elements are refined.
+        is_refined.resize(refined.parents.len(), false);
+        concave.into_iter().for_each(|parent| is_refined[parent] = true);
+        mesh.points.truncate(refined.originals);
+        mesh.elements = refined.parents;
+    }
+}
+
+/// Divides the edges of a mesh for which `divided` returns true, in the order of the table; one value is that of all edges.
+fn divide(
+    mesh: &mut Mesh,
+    parents: Vec<Element>,
+    factor: usize,
+    curves: &EdgeCurves,
+    divided: impl Fn(&[Element], &EdgeTable) -> Vec<bool>,
+) -> RefinedMesh {
     let originals = mesh.points.len();
-    let parents = std::mem::take(&mut mesh.elements);
-    let edges = EdgeTable::new(&parents, factor, originals);
+    let mut edges = EdgeTable::new(&parents);
+    let is_divided = divided(&parents, &edges);
+    edges.divide(factor, originals, |place| is_divided.get(place).copied().unwrap_or(is_divided[0]));
     let mut refined = RefinedMesh {
         factor,
         originals,
@@ -27,6 +59,7 @@ pub fn refine(mesh: &mut Mesh, factor: usize, curves: &EdgeCurves) -> RefinedMes
     };
     refined.number_nodes();
     refined.place_nodes(&mut mesh.points, curves);
+    mesh.elements.clear();
     for parent in 0..refined.parents.len() {
         refined.first_child.push(mesh.elements.len());
         refined.add_children(parent, mesh);
@@ -50,7 +83,7 @@ fn middle(mesh: &Mesh, first: usize) -> usize {
     first + centres.iter().position(|c| distance(c) <= least * (1.0 + 1e-9)).unwrap_or(0)
 }
 
-/// Returns the number of lattice nodes inside an element.
+/// Returns the number of lattice nodes inside an element whose edges are all divided.
 fn inner_count(kind: ElementKind, factor: usize) -> usize {
     match kind.node_count() {
         _ if !kind.is_solid() => 0,
@@ -63,11 +96,40 @@ fn inner_count(kind: ElementKind, factor: usize) -> usize {
 }
 
 impl RefinedMesh {
+    /// Returns the number of new nodes inside an element of the deck.
+    fn inner_count(&self, parent: usize) -> usize {
+        let kind = self.parents[parent].kind;
+        match self.partial_division(parent) {
+            Some(sides) => templates::inner_count(kind, sides),
+            None => inner_count(kind, self.factor),
+        }
+    }
+
+    /// Returns the elements with some, but not all edges divided, of whose children one is not convex.
+    fn concave_transitions(&self, mesh: &Mesh) -> Vec<usize> {
+        let is_concave = |&parent: &usize| {
+            let is_transition = self.partial_division(parent).is_some_and(|sides| sides != 0);
+            is_transition && self.children(parent).any(|child| !templates::is_convex(mesh, &mesh.elements[child].nodes))
+        };
+        let is_convex = |parent: &usize| templates::is_convex(mesh, &self.parents[*parent].nodes);
+        (0..self.parents.len()).filter(is_concave).filter(is_convex).collect()
+    }
+
+    /// Returns the divided sides of an element, as bits, if not all its edges are divided.
+    fn partial_division(&self, parent: usize) -> Option<u8> {
+        let Element { kind, nodes, .. } = &self.parents[parent];
+        let is_divided = |ends: [usize; 2]| self.edges.is_divided(ends);
+        if self.factor == 1 || kind.is_discrete() || edges_of(&self.parents[parent]).all(is_divided) {
+            return None;
+        }
+        Some(if kind.is_solid() && nodes.len() <= 4 { self.divided_sides(parent) } else { 0 })
+    }
+
     fn number_nodes(&mut self) {
         let mut next = self.edges.end();
-        for parent in &self.parents {
+        for parent in 0..self.parents.len() {
             self.first_inside.push(next);
-            next += inner_count(parent.kind, self.factor);
+            next += self.inner_count(parent);
         }
         self.first_inside.push(next);
     }
@@ -168,10 +230,14 @@ impl RefinedMesh {
     fn add_children(&mut self, parent: usize, mesh: &mut Mesh) {
         let Element { kind, nodes, .. } = &self.parents[parent];
         let (kind, n) = (*kind, self.factor);
-        let mut children: Vec<(NodeIndices, u8)> = Vec::new();
-        match nodes.len() {
+        let mut children: Vec<ChildElement> = Vec::new();
+        match (nodes.len(), self.partial_division(parent)) {
+            (count, Some(sides)) => {
+                let middle = |side: usize| self.edges.node([nodes[side], nodes[(side + 1) % count]], 1);
+                children = templates::children(nodes, sides, middle, self.first_inside[parent]);
+            }
             _ if kind.is_discrete() => children.push((nodes.clone(), 0)),
-            2 => {
+            (2, None) => {
                 let node = |i| self.edges.node([nodes[0], nodes[1]], i);
                 children.extend((0..n).map(|i| (NodeIndices::from(&[node(i), node(i + 1)][..]), 0)));
             }
@@ -181,7 +247,7 @@ impl RefinedMesh {
                 let between = |i| [bottom(i), bottom(i + 1), top(i + 1), top(i)];
                 children.extend((0..n).map(|i| (NodeIndices::from(&between(i)[..]), 0)));
             }
-            4 => children.extend((0..n * n).map(|at| self.quadrilateral(parent, at % n, at / n))),
+            (4, None) => children.extend((0..n * n).map(|at| self.quadrilateral(parent, at % n, at / n))),
             _ => {
                 for j in 0..n {
                     children.extend((0..n - j).map(|i| self.upright_triangle(parent, i, j)));

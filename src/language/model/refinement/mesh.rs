@@ -41,6 +41,20 @@ impl RefinedMesh {
         node < self.originals
     }
 
+    /// Returns the sides of an element of the deck that are divided, as bits. A side between two equal nodes counts as
+    /// divided if the number of other divided sides is odd. Both sides of a six-node triangle's corners count.
+    pub(super) fn divided_sides(&self, parent: usize) -> u8 {
+        let nodes = &self.parents[parent].nodes;
+        let ends = |side: usize| [nodes[side], nodes[(side + 1) % nodes.len()]];
+        let is_divided = |side: usize| self.edges.is_divided(ends(side));
+        let real: u8 = (0..nodes.len()).map(|side| u8::from(is_divided(side)) << side).sum();
+        let collapsed = (0..nodes.len()).find(|&side| ends(side)[0] == ends(side)[1]);
+        match collapsed {
+            Some(side) if real.count_ones() % 2 == 1 => real | 1 << side,
+            _ => real,
+        }
+    }
+
     /// Returns the children of an element of the deck.
     pub fn children(&self, parent: usize) -> std::ops::Range<usize> {
         self.first_child[parent]..self.first_child[parent + 1]

@@ -90,7 +90,13 @@ fn between(
     let is_chain = ends.iter().enumerate().any(|(at, [a, b])| {
         a != b && ends.iter().enumerate().any(|(other, [c, d])| other != at && c != d && (a == d || b == c))
     });
-    if !is_followed || is_chain {
+    let mut different = ends.iter().filter(|[a, b]| a != b).map(|&ends| refined.edges.is_divided(ends));
+    let is_divided = different.next().unwrap_or(false);
+    if is_followed && !is_divided && different.all(|other| !other) {
+        return Ok(());
+    }
+    let are_all_divided = ends.iter().all(|&[a, b]| a == b || refined.edges.is_divided([a, b]));
+    if !is_followed || is_chain || !are_all_divided {
         return Err(Ambiguity { relations: pair });
     }
     for part in 1..refined.factor {

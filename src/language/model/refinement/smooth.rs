@@ -51,7 +51,7 @@ fn reflected(direction: Vector, chord: Vector) -> Vector {
 /// Adds curves to the edges of boundaries, of interfaces of regions, and of shells and rigid surfaces. They go through all
 /// nodes, and have a continuous direction where the polyline turns by at most `corner` (radians).
 pub fn fit(mesh: &Mesh, regions: &Regions, corner: f64, curves: &mut EdgeCurves) {
-    let edges = EdgeTable::new(&mesh.elements, 1, mesh.points.len());
+    let edges = EdgeTable::new(&mesh.elements);
     let is_interface = |[a, b]: [usize; 2]| regions.get(&a) != regions.get(&b);
     let is_on_axis = |ends: &[usize; 2]| ends.iter().all(|&n| mesh.points[n][0] == 0.0);
     let curved_edges = edges.iter().filter(|(_, edge)| edge.is_line || edge.solids == 1 || is_interface(edge.elements));

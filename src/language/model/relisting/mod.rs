@@ -13,7 +13,7 @@ use crate::deck::{Deck, Diagnostic, Diagnostics, MeshScaling};
 /// Returns the text of a deck with its mesh listed, refined or coarsened as [`Deck::mesh_scaling`] requests. The text is
 /// valid only if the diagnostics have no error.
 pub fn write(deck: &Deck) -> (String, Diagnostics) {
-    let (fine, diagnostics) = super::build(&Deck { mesh_scaling: None, ..deck.clone() });
+    let (fine, diagnostics) = super::build(&Deck { mesh_scaling: None, refined_elements: None, ..deck.clone() });
     if diagnostics.has_errors() {
         return (String::new(), diagnostics);
     }

@@ -118,6 +118,7 @@ impl<'a> DeckWriter<'a> {
             return;
         }
         let what = match self.deck.mesh_scaling {
+            Some(_) if self.deck.refined_elements.is_some() => ", edges of some elements divided".to_owned(),
             Some(MeshScaling::Refine(factor)) if factor > 1 => format!(", each edge divided into {factor} parts"),
             Some(MeshScaling::Coarsen(factor)) => format!(", {factor} by {factor} elements merged"),
             _ => String::new(),
