@@ -23,7 +23,9 @@ fn commit() -> Option<String> {
     if profile != "dist" {
         return Some(commit + " or later");
     }
-    for name in ["HEAD", "logs/HEAD"] {
+    let is_modified = git(&["status", "--porcelain", "--untracked-files=no"]).is_none_or(|changes| !changes.is_empty());
+    let commit = if is_modified { commit + " modified" } else { commit };
+    for name in ["HEAD", "logs/HEAD", "index"] {
         let file = git(&["rev-parse", "--git-path", name])?;
         // A file that does not exist would run this again each time.
         if Path::new(&file).exists() {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::diagnostic::{Diagnostics, Severity};
+use crate::diagnostic::Diagnostics;
 use crate::source::Sources;
 
 /// A diagnostic with its place as text.
@@ -40,11 +40,7 @@ impl Diagnostics {
     /// Converts all diagnostics to plain data.
     pub fn findings(&self, sources: &Sources) -> Vec<Finding> {
         let finding = |d: &crate::Diagnostic| Finding {
-            severity: match d.severity {
-                Severity::Note => "note",
-                Severity::Warning => "warning",
-                Severity::Error => "error",
-            },
+            severity: d.severity.word(),
             code: d.code,
             message: d.message.clone(),
             place: d.labels.first().map(|label| sources.describe(label.span)),

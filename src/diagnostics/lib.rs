@@ -15,6 +15,7 @@ mod printable;
 mod render;
 pub mod source;
 pub mod untrusted;
+pub mod verdict;
 pub mod whole;
 
 pub use diagnostic::{Correction, Diagnostic, Diagnostics, Severity};

@@ -97,10 +97,24 @@ impl Checksums {
         paths.sort();
         let mut sums = Checksums::default();
         for path in paths.iter().filter(|path| path.extension().is_some_and(|ending| ending == &SUMS[1..])) {
-            let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
-            sums.take(&text).map_err(|why| format!("{}: {why}", path.display()))?;
+            sums.add_file(path)?;
         }
         Ok(sums)
+    }
+
+    /// Reads one checksum file.
+    ///
+    /// # Errors
+    /// If it cannot be read, or a line is invalid; the message contains the path.
+    pub fn of_file(path: &Path) -> Result<Checksums, String> {
+        let mut sums = Checksums::default();
+        sums.add_file(path)?;
+        Ok(sums)
+    }
+
+    fn add_file(&mut self, path: &Path) -> Result<(), String> {
+        let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        self.take(&text).map_err(|why| format!("{}: {why}", path.display()))
     }
 
     fn take(&mut self, text: &str) -> Result<(), String> {

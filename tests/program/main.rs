@@ -44,6 +44,7 @@ mod study_effects;
 mod supply;
 mod tidy;
 mod tutorial;
+mod verdict;
 mod view;
 mod vtk;
 mod watching;

@@ -18,6 +18,7 @@ use super::{CommandStatus, accept, words};
 #[derive(Args)]
 pub struct CheckCommand {
     /// Input deck; `-` reads from standard input.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     #[command(flatten)]
     options: DeckOptions,

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Deserialize;
 
-use super::CommandStatus;
 use super::line::{ProgramArguments, ProgramCommand};
 use super::options::OutputOptions;
 use super::words::{self, print_out};
+use super::{CommandStatus, outcome};
 use crate::deck::digest::sha256;
 use crate::deck::files;
-use crate::job::{InputFile, InputKind, Provenance, read_copies};
+use crate::job::{InputFile, InputKind, Provenance, RunVerdict, read_copies};
 use crate::output::INPUT;
 use crate::output::columns::aligned_table;
 use clap::Parser as _;
@@ -44,6 +44,8 @@ struct RecordedRun {
     digest: String,
     version: String,
     provenance: Provenance,
+    #[serde(flatten)]
+    verdict: RunVerdict,
 }
 
 /// A run in a result folder.
@@ -94,15 +96,31 @@ impl InfoCommand {
             let commit = origin.commit.as_ref().map_or(String::new(), |commit| format!(", commit {commit}"));
             let machine = origin.processor.as_deref().unwrap_or(&origin.target);
             print_out!("{job}: {}, digest {}", run.status, run.digest);
+            outcome::print_verdict(&run.verdict);
             print_out!("program  revolve {}{commit}, {}", run.version, origin.target);
             print_out!("command  revolve {}", origin.command.join(" "));
             print_out!("time     {} to {}", origin.started, origin.ended);
             print_out!("machine  {machine}, {} threads", origin.threads);
             let rows: Vec<Vec<String>> = origin.input.iter().map(row).collect();
             words::write(format_args!("{}", aligned_table(&["input", "file", "bytes", "sha256"], &rows, false)), false);
+            for name in changed_files(origin) {
+                print_out!("stale: {name} has changed since the run, so the results belong to its former contents");
+            }
         }
         Ok(CommandStatus::SUCCESS)
     }
+}
+
+/// Returns the files of the deck that exist and no longer have the contents that the run has read.
+fn changed_files(origin: &Provenance) -> Vec<String> {
+    let Some(deck) = origin.deck.as_ref().map(Path::new) else { return Vec::new() };
+    let folder = deck.parent().unwrap_or(Path::new(""));
+    let changed = |file: &&InputFile| {
+        let place = if file.kind == InputKind::Deck { deck.to_owned() } else { folder.join(&file.file) };
+        files::read(&place).is_ok_and(|contents| sha256(&contents) != file.sha256)
+    };
+    let of_deck = origin.input.iter().filter(|file| file.kind != InputKind::User);
+    of_deck.filter(changed).map(|file| file.file.clone()).collect()
 }
 
 fn row(file: &InputFile) -> Vec<String> {
@@ -170,6 +188,9 @@ impl FoundRun {
     fn repeat(&self, out: &Path) -> Result<String, Box<dyn Error>> {
         let restored = self.restore(&out.join("input"))?;
         let words = self.run.provenance.command.clone();
+        if words.is_empty() {
+            return Err("the run has no command line: it was started from Python or Rust".into());
+        }
         let line = std::iter::once("revolve").chain(words.iter().map(String::as_str));
         let ProgramCommand::Run(command) = ProgramArguments::try_parse_from(line)?.command else {
             return Err("only runs of `revolve run` can be repeated".into());

@@ -19,6 +19,7 @@ use crate::user::Routines;
 #[derive(Args)]
 pub struct MaterialCommand {
     /// Deck that defines the materials.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     /// Material name (default: all materials of the deck).
     #[arg(short, long, value_name = "NAME")]

@@ -15,6 +15,7 @@ use crate::{deck, model};
 #[derive(Args)]
 pub struct RefineArguments {
     /// Input deck.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     /// Number of parts of each edge; 1 lists the mesh as it is, and 1/2 or 1/3 merges elements.
     #[arg(short = 'k', value_name = "PARTS", required_unless_present = "regions")]

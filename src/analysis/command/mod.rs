@@ -65,6 +65,8 @@ impl CommandStatus {
     const HALTED: CommandStatus = CommandStatus(1);
     /// The deck or the arguments are invalid.
     const REFUSED: CommandStatus = CommandStatus(2);
+    /// The verdict of a run is worse than required.
+    const DOUBTFUL: CommandStatus = CommandStatus(3);
 
     /// Returns the status of a command whose runs all completed, or did not.
     fn of(is_complete: bool) -> CommandStatus {

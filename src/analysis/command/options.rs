@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 
 use super::words::print_out;
@@ -13,6 +14,14 @@ use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
 use crate::report::QuantityLabels;
 use crate::user::thread_pool;
+
+/// Returns the parser of the path of a deck, whose ending `.inp` may be left out.
+pub fn deck_parser() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path: PathBuf| {
+        let with_ending = path.with_extension("inp");
+        if path.extension().is_none() && !path.is_file() && with_ending.is_file() { with_ending } else { path }
+    })
+}
 
 /// Values of deck parameters.
 #[derive(Args)]

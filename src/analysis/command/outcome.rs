@@ -1,6 +1,6 @@
 //! Terminal summary of a run: status, warnings, key results and run time.
 
-use crate::job::{FrameOutput, RunSummary};
+use crate::job::{FrameOutput, RunSummary, RunVerdict};
 use crate::output::clock::seconds;
 use crate::output::columns::aligned_table;
 use crate::output::{self, HISTORY};
@@ -13,7 +13,7 @@ const SHOWN: usize = 24;
 const BAR: usize = 40;
 
 pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, profile: bool) {
-    print_out!("{}", verdict(summary));
+    print_out!("{}", completion(summary));
     warnings(summary);
     for rest in &summary.rests {
         print_out!("  {} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
@@ -52,7 +52,13 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
     print_out!("results in {}", job.path(if has_frames { ".pvd" } else { HISTORY }).display());
 }
 
-fn verdict(summary: &RunSummary) -> String {
+/// Prints the verdict, and its reasons with places and cards.
+pub fn print_verdict(verdict: &RunVerdict) {
+    print_out!("verdict: {}", verdict.verdict.word());
+    verdict.reasons.iter().for_each(|reason| print_out!("  {}", reason.line()));
+}
+
+fn completion(summary: &RunSummary) -> String {
     let run_time = seconds(summary.timing.seconds);
     let how = if summary.ended_by_user { "ended by a user subroutine" } else { summary.status };
     let resumed = summary.timing.resumed_at.map_or(String::new(), |at| format!(", restarted from increment {at}"));

@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::deck::{self, Diagnostic, Diagnostics, untrusted};
 use crate::job::{
     self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, Provenance,
-    RestartRequirement, RunSummary,
+    RestartRequirement, RunSummary, Verdict,
 };
 use crate::model::Model;
 use crate::output::checkpoint::Checkpoint;
@@ -28,17 +28,18 @@ use serde::Serialize;
 
 use super::options::{DeckOptions, FolderOption, OutputOptions, ThreadOption, start_threads};
 use super::progress::{self, RunBar};
-use super::slurm;
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::view::{self, ViewOption};
 use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
 use super::{CommandStatus, accept, outcome, print_findings};
+use super::{shell, slurm};
 
 /// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
 pub struct RunCommand {
     /// Input deck.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     #[command(flatten)]
     options: DeckOptions,
@@ -85,11 +86,20 @@ pub struct RunCommand {
     /// Print the run time of each effect.
     #[arg(long)]
     profile: bool,
+    /// End with exit status 3 if the verdict is worse: ok, or unverified (the mesh error may be unknown).
+    #[arg(long, value_name = "VERDICT", value_parser = required_verdict)]
+    require: Option<Verdict>,
     #[command(flatten)]
     view: ViewOption,
     /// Words of the command line; `None` for those of the process.
     #[arg(skip)]
     words: Option<Vec<String>>,
+}
+
+/// Parses the worst verdict that is accepted.
+fn required_verdict(text: &str) -> Result<Verdict, String> {
+    let accepted = [Verdict::Ok, Verdict::Unverified].into_iter().find(|verdict| verdict.word() == text);
+    accepted.ok_or_else(|| "expected ok or unverified".to_owned())
 }
 
 /// Parses a checkpoint interval in seconds, minutes, hours or increments.
@@ -143,7 +153,8 @@ impl RunCommand {
         let from = self.checkpoint(&prepared, &job, &user)?;
         self.note_missing_grace_period(&prepared);
         let words = self.words.clone().unwrap_or_else(words::words_of_command);
-        let provenance = Provenance::of(&prepared, words, &self.options.user.files);
+        let commit = Some(shell::COMMIT.to_owned()).filter(|commit| !commit.is_empty());
+        let provenance = Provenance { commit, ..Provenance::of(&prepared, words, &self.options.user.files) };
         prepared.release_texts();
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));
@@ -164,7 +175,7 @@ impl RunCommand {
             frames,
             ..JobOptions::default()
         };
-        let summary = self.carry_out(&prepared, &job, options, &signal, view.as_mut())?;
+        let mut summary = self.carry_out(&prepared, &job, options, &signal, view.as_mut())?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
@@ -174,7 +185,9 @@ impl RunCommand {
         let certificate = if self.uncertainty.is_requested() && summary.halt.is_none() {
             let numbers = values.values().map(|value| value.as_ref().ok().copied()).collect();
             let run = (&summary, numbers);
-            Some(self.uncertainty.estimate(&estimated, inputs.as_ref(), chosen, &prepared, run, &job)?)
+            let certificate = self.uncertainty.estimate(&estimated, inputs.as_ref(), chosen, &prepared, run, &job)?;
+            summary.set_unknown(&job, certificate.unknown(&traits))?;
+            Some(certificate)
         } else {
             None
         };
@@ -187,6 +200,9 @@ impl RunCommand {
         } else {
             values.iter().for_each(|(text, value)| print_value(text, value));
         }
+        if !self.is_silent() {
+            outcome::print_verdict(&summary.verdict);
+        }
         if let Some(view) = &view {
             view::serve_until_closed(view, &signal, self.is_silent());
         }
@@ -198,7 +214,13 @@ impl RunCommand {
         }
         // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
         std::mem::forget((prepared, routines));
-        Ok(if missed && end == CommandStatus::SUCCESS { CommandStatus::HALTED } else { end })
+        Ok(match end {
+            CommandStatus::SUCCESS if missed => CommandStatus::HALTED,
+            CommandStatus::SUCCESS if self.require.is_some_and(|worst| summary.verdict.verdict > worst) => {
+                CommandStatus::DOUBTFUL
+            }
+            _ => end,
+        })
     }
 
     /// Reads and plans the deck, and returns the properties of its model.
@@ -295,7 +317,7 @@ impl RunCommand {
         let mut bar = RunBar::new(quiet);
         let above = bar.handle();
         let warn = |text: &str| {
-            if !quiet || DOUBTS.iter().any(|code| text.starts_with(code)) {
+            if !quiet || job::is_doubtful(text) {
                 above.suspend(|| print_err!("warning: {text}"));
             }
         };
@@ -350,10 +372,6 @@ impl RunCommand {
         print_findings(&notes, &prepared.deck.sources);
     }
 }
-
-/// Warnings that `--quiet` prints as well, because the results may be wrong: drift of the energy, hourglass energy, energies
-/// out of bounds, contact that creates energy.
-const DOUBTS: [&str; 4] = ["R301", "R302", "R303", "R304"];
 
 /// Value or error of each quantity.
 type QuantityValues = IndexMap<String, Result<f64, String>>;

@@ -22,6 +22,7 @@ use super::{AlreadyPrinted, ResultFile, UserFiles, print_table};
 #[derive(Args)]
 pub struct SearchArguments {
     /// Input deck.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     #[command(flatten)]
     set: SetOption,

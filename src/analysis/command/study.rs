@@ -34,6 +34,7 @@ use super::{
 #[derive(Args)]
 pub struct StudyCommand {
     /// Input deck.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     /// Values from coarse to fine of a deck parameter or of mesh (parts of each edge; 1/2 merges elements), increment
     /// (factors), load-velocity, hourglass or estimate: NAME=v1,v2,…; several options form a grid.

@@ -34,6 +34,7 @@ use super::{
 #[derive(Args)]
 pub struct SweepCommand {
     /// Input deck.
+    #[arg(value_parser = super::options::deck_parser())]
     deck: PathBuf,
     /// Values of a deck parameter, or of mesh (parts of each edge): NAME=v1,v2,… or NAME=start:stop:step or
     /// NAME=start:stop:#count; several options form a grid.

@@ -3,7 +3,7 @@
 mod topics;
 
 use crate::deck::{self, DiagnosticCode, manual, names::nearest};
-use crate::{generate, model, output, plan, user};
+use crate::{generate, job, model, output, plan, user};
 use topics::TOPICS;
 
 /// Explains a keyword, output variable, diagnostic code, element type, function or topic. A variable takes precedence
@@ -15,7 +15,10 @@ pub fn explain(word: &str) -> Option<String> {
         _ => {}
     }
     if let Some(code) = codes().find(|c| c.code.eq_ignore_ascii_case(word.trim())) {
-        return Some(format!("{}: {}\n\n{}\n", code.code, code.title, code.text));
+        let verdict = job::effect_of(code.code).map_or(String::new(), |effect| {
+            format!("\nVerdict of the run: {}. Helps: {}\n", effect.verdict.word(), effect.card)
+        });
+        return Some(format!("{}: {}\n\n{}\n{verdict}", code.code, code.title, code.text));
     }
     let variable = crate::variables::manual::explain_variable(word);
     let keyword = manual::explain_keyword(word).filter(|_| variable.is_none() || manual::is_keyword(word));

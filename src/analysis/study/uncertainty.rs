@@ -17,6 +17,7 @@ use super::settings::{ModelEdit, StudyParameter, deforms, edit};
 use super::statistics::{normal, student};
 use super::table::{digits, short};
 use crate::deck::MESH_SETTINGS;
+use crate::job::VerdictReason;
 use crate::model::Model;
 
 /// Largest cost of the companion runs relative to that of the plain run.
@@ -30,6 +31,8 @@ const RATIOS: [&[u32]; 2] = [&[4, 2], &[3]];
 const SHARE_OF_ENERGIES: f64 = 0.25;
 /// Number of random parameters or regions that a line names.
 const LISTED_SHARES: usize = 3;
+/// Largest uncertainty of a value that counts as known, as a fraction of the value.
+const LARGEST_SHARE: f64 = 0.1;
 /// Number of perturbed runs.
 const NOISE_RUNS: usize = 4;
 
@@ -501,6 +504,20 @@ impl QuantityUncertainty {
         (!known.is_empty()).then(|| known.iter().sum())
     }
 
+    /// Returns why the uncertainty is not known, or that it is large.
+    fn unknown(&self, traits: &ModelTraits) -> Option<String> {
+        if traits.deforms && self.mesh.is_none() {
+            return Some("the error from the mesh is not estimated".into());
+        }
+        if traits.sensitive && self.noise.is_none() {
+            return Some("noise is not estimated, and the model amplifies perturbations: a larger --budget".into());
+        }
+        let total: f64 = self.parts()[..3].iter().filter_map(|part| part.1).sum();
+        let is_large = total > LARGEST_SHARE * self.value.abs();
+        is_large
+            .then(|| format!("its uncertainty {} is more than {} % of the value", short(total), 100.0 * LARGEST_SHARE))
+    }
+
     /// Returns value and uncertainties in one line.
     pub fn sentence(&self) -> String {
         let Some(numerical) = self.numerical() else {
@@ -542,6 +559,15 @@ impl RunCertificate {
         quantities.for_each(|quantity| quantity.regions = regions.to_vec());
         self.conclusions = self.lines();
         is_known
+    }
+
+    /// Returns the uncertainties that are not known well enough for the verdict `ok`.
+    pub fn unknown(&self, traits: &ModelTraits) -> Vec<VerdictReason> {
+        let missed = self.target.as_ref().filter(|chosen| !chosen.reached);
+        let missed = missed.map(|chosen| (&chosen.quantity, "the error target is not reached".to_owned()));
+        let unknown = self.quantities.iter().filter_map(|quantity| Some((quantity, quantity.unknown(traits)?)));
+        let reasons = missed.into_iter().chain(unknown);
+        reasons.filter_map(|(q, why)| VerdictReason::unknown_uncertainty(Some(q.quantity.clone()), &why)).collect()
     }
 
     fn lines(&self) -> Vec<String> {

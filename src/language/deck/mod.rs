@@ -32,7 +32,9 @@ pub use parameters::{
 pub use revolve_diagnostics::{
     Correction, Diagnostic, DiagnosticCode, Diagnostics, Finding, OpenTexts, Severity, Sources, Span, printable,
 };
-pub use revolve_diagnostics::{diagnostic, digest, files, finding, lists, number, source, untrusted};
+pub use revolve_diagnostics::{
+    codes_with_effects, diagnostic, digest, files, finding, lists, number, source, untrusted, verdict,
+};
 pub use revolve_numerics::names;
 pub use syntax::{Card, DataLine, Deck, MeshScaling, Parameter, ParseGaps, Word};
 

@@ -1,11 +1,9 @@
 //! Diagnostic codes of the model (`M…`) with their explanations, for `revolve explain`.
 
-use revolve_numerics::codes;
+use revolve_diagnostics::codes_with_effects;
 
-use crate::deck::DiagnosticCode;
-
-/// Diagnostic codes of building a model.
-pub const CODES: &[DiagnosticCode] = codes! {
+codes_with_effects! {
+    /// Diagnostic codes of building a model.
     "M101" "required parameter is missing" "The keyword line requires this parameter."
     "M102" "required value is missing" "The data line has fewer fields than the card requires."
     "M103" "value out of range" "The value is not allowed on this card; the message states the allowed values."
@@ -30,29 +28,29 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "M130" "surface side is missing" "RAX2 and SAX1 elements have two sides. In contact a surface without sides has both; a load requires SPOS or SNEG."
     "M131" "invalid element side" "RAX2 and SAX1 elements have the sides SPOS and SNEG; solid elements have S1 to S3 (triangles) or S1 to S4 (quadrilaterals). Cohesive elements have S1 and S3, which can only be tied; loads on faces or per volume do not act on them."
     "M132" "unknown load type" "The load type label is not supported; the message lists the supported labels."
-    "M140" "displacement ignored" "As in ABAQUS/Explicit, a displacement without AMPLITUDE would be a jump. Its value is ignored and the degree of freedom is fixed."
+    "M140" [Suspect "*BOUNDARY, TYPE=VELOCITY"] "displacement ignored" "As in ABAQUS/Explicit, a displacement without AMPLITUDE would be a jump. Its value is ignored and the degree of freedom is fixed."
     "M141" "unknown output variable" "Revolve has no output variable with this name; the request for it is ignored. `revolve explain variables` lists the available variables."
     "M142" "time marks" "Frames are written at the first increment at or after the requested time. Output does not change the increments."
     "M143" "data of a mesh file" "Cards or arrays are not read, cells are listed more than once, or labels are increased because the deck has them. In VTK files sets are arrays named NSET_name (points) or ELSET_name (cells) that are nonzero on the members; labels are NODE_LABEL and ELEMENT_LABEL, or NODE and ELEMENT."
-    "M144" "loads that add up" "Two data lines of one step define a load of the same type on the same region; their magnitudes are added. A load of an earlier step would be replaced."
-    "M145" "conflicting boundary conditions" "Two data lines of one step prescribe different values for a degree of freedom of a node; the later one is used."
-    "M146" "jump in a displacement" "A prescribed displacement does not start at the current displacement of its nodes. As in ABAQUS/Explicit, the jump is ignored: the nodes follow the change of the amplitude from their current position."
+    "M144" [Suspect "*DLOAD, OP=NEW"] "loads that add up" "Two data lines of one step define a load of the same type on the same region; their magnitudes are added. A load of an earlier step would be replaced."
+    "M145" [Suspect "*BOUNDARY"] "conflicting boundary conditions" "Two data lines of one step prescribe different values for a degree of freedom of a node; the later one is used."
+    "M146" [Suspect "*BOUNDARY, AMPLITUDE"] "jump in a displacement" "A prescribed displacement does not start at the current displacement of its nodes. As in ABAQUS/Explicit, the jump is ignored: the nodes follow the change of the amplitude from their current position."
     "M147" "displacement after another motion" "The nodes were free or followed a velocity before, so their displacement at the start of the step is not known in advance. The prescribed displacement is measured from there."
     "M148" "output ends" "The first *OUTPUT of a step with OP=NEW (the default) ends all field and history output requests of earlier steps."
     "M149" "degree of freedom does not exist" "Nodes of an axisymmetric body have the degrees of freedom 1 (r) and 2 (z). The reference node of a rigid body also has 6 (rotation), which symmetry fixes. A condition on another degree of freedom has no effect."
     "M153" "position of element output" "Elements have one integration point, at the centroid. With POSITION=NODES or AVERAGED AT NODES, field output of integration points is written at nodes, averaged over the adjacent elements that are not deleted. Whole element variables (STATUS, EVOL) and history output remain element values."
-    "M154" "general contact without surfaces" "*CONTACT is in force, and no *CONTACT INCLUSIONS follows it in the step. Nothing is in contact."
-    "M152" "gravity along r" "The weight of a body of revolution along r is zero; only the z component of GRAV acts."
-    "M160" "duplicate card" "A card that is allowed once (per material, step or deck), or once per name, is defined twice."
+    "M154" [Suspect "*CONTACT INCLUSIONS"] "general contact without surfaces" "*CONTACT is in force, and no *CONTACT INCLUSIONS follows it in the step. Nothing is in contact."
+    "M152" [Suspect "*DLOAD"] "gravity along r" "The weight of a body of revolution along r is zero; only the z component of GRAV acts."
+    "M160" [Suspect "the card that is repeated"] "duplicate card" "A card that is allowed once (per material, step or deck), or once per name, is defined twice."
     "M161" "too many values on a data line" "The line has more values than the card reads. A decimal comma splits a number into two values; a table has one row per line."
     "M162" "too many data lines" "The card allows fewer data lines than follow it."
-    "M163" "decimal comma suspected" "A value without effect follows a whole number and a comma without a blank, as the decimals of a number would."
-    "M164" "node defined again" "A node is defined more than once. As in ABAQUS, the last definition is used."
+    "M163" [Suspect "the data line"] "decimal comma suspected" "A value without effect follows a whole number and a comma without a blank, as the decimals of a number would."
+    "M164" [Suspect "*NODE"] "node defined again" "A node is defined more than once. As in ABAQUS, the last definition is used."
     "M165" "duplicate element property" "An element can have one section, one mass, and one spring or dashpot property."
-    "M166" "incomplete set" "Some of the labels that GENERATE or a mesh file lists are not defined, or the increment does not lead to the last one. The set has the existing members."
+    "M166" [Suspect "*ELSET, *NSET"] "incomplete set" "Some of the labels that GENERATE or a mesh file lists are not defined, or the increment does not lead to the last one. The set has the existing members."
     "M167" "parameter without its partner" "A parameter has an effect only together with another one, or two parameters exclude each other. Revolve ignores no input without a message."
     "M168" "element set in place of a node set" "The card requires a node set but names an element set; the nodes of its elements are used."
-    "M169" "energy of an explosive" "The detonation energy of *EOS, TYPE=JWL is an energy per mass. A value above the square of the detonation wave speed is likely an energy per volume; divide it by the density."
+    "M169" [Suspect "*EOS, *DETONATION POINT"] "energy of an explosive" "The detonation energy of *EOS, TYPE=JWL is an energy per mass. A value above the square of the detonation wave speed is likely an energy per volume; divide it by the density."
     "M170" "arc does not close" "The ends of an arc have different distances from its centre. Differences up to 1e-6 of the radius are treated as rounding. Up to 1e-2 the centre is moved to the nearest point with equal distances, with a warning. Larger differences are an error."
     "M171" "history expression without a name" "A data line of *OUTPUT EXPRESSION has the form `name = expression`; a name consists of letters, digits and `_`."
     "M181" "free surface without stiffness" "The effect of a free surface on a target depends on 2E/3Y, with E of *ELASTIC and Y of *CAVITY EXPANSION; this ratio must be above 1."
@@ -62,7 +60,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "M191" "mesh that cannot be coarsened" "A setting `mesh=1/N` merges N by N quadrilaterals, and N shells or rigid surface elements, into one. Blocks of elements end at boundaries and their corners of more than 30 degrees, at sections and rigid bodies, at irregular nodes, and at nodes with forces, masses, constraints or history output. Their numbers of elements must be divisible by N, and surfaces, loads and sections must not end inside merged elements."
     "M192" "surface that cannot be written" "`revolve mesh refine` writes the mesh of each instance in the coordinates of the assembly. An analytical surface in a part with a moved instance would keep the coordinates of the part. Define it in the assembly, with TYPE=SEGMENTS."
     "M193" "arcs with unequal scale factors" "*NMAP, TYPE=RECTANGULAR with unequal factors changes arcs into ellipses. A refined mesh keeps arcs, but no ellipses: new nodes are on straight lines between the given nodes. Equal factors keep the arcs; --curved fits smooth curves to the boundary."
-    "M194" "test data of rubber" "The constants of *HYPERELASTIC, TEST DATA INPUT are fitted so that the sum of the squared relative errors of the nominal stresses is least. The note gives the constants and the error. A fit of high order can be unstable (Drucker) between or beyond the measured strains: the stress would decrease with the strain there."
+    "M194" [Unverified "*HYPERELASTIC"] "test data of rubber" "The constants of *HYPERELASTIC, TEST DATA INPUT are fitted so that the sum of the squared relative errors of the nominal stresses is least. The note gives the constants and the error. A fit of high order can be unstable (Drucker) between or beyond the measured strains: the stress would decrease with the strain there."
     "M195" "infinite elements" "The first two nodes of a CINAX4 element are on a free face of a CAX4R or CAX3 element, which it gives a traction against the velocity: density times the speed of pressure waves along the normal, of shear waves along the face. Waves leave the mesh; the work in ALLWK is negative. Infinite elements have no stiffness: a body that only they support moves under a lasting load. Their *SOLID SECTION needs a material with *DENSITY and *ELASTIC."
     "M150" "mesh file cannot be read" "The file is missing, damaged, or in an unsupported format. The message states how to save it."
-};
+}

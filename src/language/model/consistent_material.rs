@@ -19,6 +19,12 @@ impl ConsistencyCheck<'_> {
         self.flow(material);
         self.failure(material);
         self.interface(material);
+        for range in &material.ranges {
+            let name = range.quantity.name();
+            let message = format!("*MATERIAL RANGE: the {name} needs a limit, and a lower limit below the upper one");
+            let is_limited = range.low.is_finite() || range.high.is_finite();
+            self.check_of(material, require(is_limited && range.low < range.high, message));
+        }
         let user = &material.user;
         let of_fields = user.fields.iter().chain(&user.lengths).flat_map(|f| &f.0);
         let is_finite = user.material.iter().flatten().chain(of_fields).all(|constant| constant.is_finite());

@@ -3,8 +3,8 @@
 
 use super::builder::ModelBuilder;
 use super::types::{
-    FailedMaterial, FoamYieldSurface, MaterialDefinition, PoreCompaction, RayleighCoefficients, TensileFailure,
-    ThermalExpansion,
+    FailedMaterial, FoamYieldSurface, MaterialDefinition, PoreCompaction, RangedQuantity, RayleighCoefficients,
+    TensileFailure, ThermalExpansion, ValidityRange,
 };
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
@@ -166,6 +166,13 @@ static READERS: &[CardReader] = readers! {
         };
         cards::FailedMaterial => |material, cards::FailedMaterial { values: [residual, crossings] }, span| {
             material.failed = Some(FailedMaterial { residual, crossings, span });
+        };
+        cards::MaterialRange => |material, card, span| {
+            let or = |limit: f64, none: f64| if limit.is_nan() { none } else { limit };
+            material.ranges = card.rows.iter().filter_map(|&[index, low, high]| {
+                let quantity = *RangedQuantity::ALL.get(index as usize)?;
+                Some(ValidityRange { quantity, low: or(low, f64::NEG_INFINITY), high: or(high, f64::INFINITY), span })
+            }).collect();
         };
         cards::CrushableFoam => |material, cards::CrushableFoam { isotropic, ratios }, span| {
             let shape = if isotropic { FoamYieldSurface::Isotropic } else { FoamYieldSurface::Volumetric };

@@ -49,6 +49,8 @@ const SPEEDS: [f64; 2] = [20.0, 25e3];
 /// Density above which a solid is metal or stone, kg/m3, and their smallest speed of sound, m/s.
 const DENSE: f64 = 3000.0;
 const DENSE_SPEED: f64 = 500.0;
+/// Range of the square root of yield stress over density, m/s: 0.1 MPa of loose soil gives 7, 5 GPa of a ceramic 1200.
+const STRENGTH_SPEEDS: [f64; 2] = [1.0, 3000.0];
 
 impl UnitSystem {
     /// Converts a density to kg/m3.
@@ -67,6 +69,12 @@ impl UnitSystem {
         let speed = self.speed((modulus / density).sqrt());
         let density = self.density(density);
         within(density, DENSITIES) && within(speed, SPEEDS) && (density <= DENSE || speed > DENSE_SPEED)
+    }
+
+    /// Returns whether density and yield stress are plausible for a target.
+    pub fn fits_target(&self, density: f64, yield_stress: f64) -> bool {
+        let speed = self.speed((yield_stress / density).sqrt());
+        within(self.density(density), DENSITIES) && within(speed, STRENGTH_SPEEDS)
     }
 
     /// Returns the names in the form of `*UNITS`.

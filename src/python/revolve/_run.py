@@ -37,6 +37,16 @@ class Run:
         return self._run.status
 
     @property
+    def verdict(self) -> str:
+        """``ok``, ``unverified``, ``suspect``, ``interrupted`` or ``halted``."""
+        return self.summary["verdict"]
+
+    @property
+    def verdict_reasons(self) -> list[dict[str, str]]:
+        """Reasons of the verdict, the worst first: ``code``, ``place``, ``reason``, ``card`` and ``verdict`` of each."""
+        return self.summary["verdict_reasons"]
+
+    @property
     def halt(self) -> _revolve.Halt | None:
         """Reason of a halt: ``kind``, ``code``, ``message``, ``element``, ``step``, ``increment``, ``time`` and ``place``.
 
@@ -107,7 +117,7 @@ class Run:
     def __repr__(self) -> str:
         steps = self.summary["steps"]
         increments = sum(step["increments"] for step in steps)
-        return f"<Run of {self._title!r}: {self.status}, {increments} increments in {self.seconds:.3g} s>"
+        return f"<Run of {self._title!r}: {self.status}, {self.verdict}, {increments} increments in {self.seconds:.3g} s>"
 
     def _repr_html_(self) -> str:
         facts = [repr(self)[1:-1]] + ([self.reason] if self.reason else []) + self.warnings

@@ -4,6 +4,7 @@ mod memory;
 mod provenance;
 mod setup;
 mod status;
+mod verdict;
 
 use std::fs::File;
 use std::io;
@@ -17,6 +18,7 @@ use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use crate::deck::files::STANDARD_INPUT;
+pub use crate::deck::verdict::Verdict;
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 use crate::element::block::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
@@ -32,17 +34,18 @@ use crate::output::{
 };
 use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
-use crate::plan::{self, CompiledModel, Plan, State};
+use crate::plan::{self, CompiledModel, Plan, PlannedRange, State};
 use crate::solve::{
     self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
-    MeshShape, Outcome, PenetrationSummary, Progress, RunControl, RunPosition, Sink, SinkError, StepSummary,
-    UnfitState,
+    MeshShape, Outcome, PenetrationSummary, Progress, RangeShare, RunControl, RunPosition, Sink, SinkError,
+    StepSummary, UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
 pub use memory::run_kept;
 pub use provenance::{InputFile, InputKind, Provenance, read_copies};
 use status::StatusFile;
+pub use verdict::{RunVerdict, VerdictReason, effect_of, is_doubtful};
 
 /// Codes of planning errors on elements, sections and materials. They are reported even if the deck has errors
 /// elsewhere.
@@ -228,12 +231,18 @@ fn planned(deck: Deck, model: &Arc<Model>, mut diagnostics: Diagnostics, routine
 pub struct RunSummary {
     /// `completed` or `halted`.
     pub status: &'static str,
+    /// One word on whether the results can be used, with reasons.
+    #[serde(flatten)]
+    pub verdict: RunVerdict,
     /// Reason of the halt; as text its code and message.
     #[serde(rename = "reason", skip_serializing_if = "Option::is_none")]
     pub halt: Option<HaltReason>,
     /// Whether a user subroutine ended the analysis.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ended_by_user: bool,
+    /// Shares of materials beyond the range of their constants (`*MATERIAL RANGE`).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ranges: Vec<RangeShare>,
     /// Warnings issued during the run.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -304,6 +313,9 @@ pub struct RunSummary {
     /// Internal data of user subroutines that the last checkpoint does not contain.
     #[serde(skip)]
     pub lost: Vec<String>,
+    /// Uncertainties that are not known.
+    #[serde(skip)]
+    unknown: Vec<VerdictReason>,
 }
 
 /// Serialises the history without its rows, which are in a CSV file.
@@ -713,6 +725,7 @@ pub fn run_with<'a>(
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
     status.failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     provenance.iter_mut().for_each(Provenance::end);
+    summary.judge();
     summary.provenance = provenance;
     finish_files(job, &mut summary, sums);
     Ok(summary)
@@ -752,6 +765,26 @@ impl RunSummary {
     fn mark_unwritten(&mut self, why: String) {
         self.status = "halted";
         self.halt.get_or_insert_with(|| HaltReason::Output(HaltDetails::new(why)));
+        self.judge();
+    }
+
+    /// Derives the verdict from what the summary has.
+    fn judge(&mut self) {
+        self.verdict = RunVerdict::of(self, &self.unknown);
+    }
+
+    /// Replaces the uncertainties that are not known, and writes the summary of a job again.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn set_unknown(&mut self, job: &JobFiles, unknown: Vec<VerdictReason>) -> io::Result<()> {
+        self.unknown.retain(|reason| !reason.is_unknown_uncertainty());
+        self.unknown.extend(unknown);
+        self.judge();
+        let sum = write_summary(job, self)?;
+        let mut sums = Checksums::of_file(&job.path(SUMS)).map_err(io::Error::other)?;
+        sums.add_sum(job, ".json", sum);
+        sums.write(job, SUMS)
     }
 }
 
@@ -791,12 +824,31 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
             ledger.add_result(changes.row, &format!("mass of sheets left out {:.4e}", changes.removed_mass));
         }
     }
-    RunSummary {
+    for share in &outcome.ranges {
+        let is_same = |planned: &&PlannedRange| {
+            planned.material == share.material && planned.range.quantity.name() == share.quantity
+        };
+        if let Some(planned) = prepared.plan.ranges.iter().find(is_same) {
+            let basis = planned.range.quantity.basis();
+            ledger
+                .add_result(planned.row, &format!("{:.1} % of {basis} beyond {}", 100.0 * share.share, share.quantity));
+        }
+    }
+    let message = "the error from the mesh, and noise, are not known: they are estimated with --uncertainty or a study";
+    let unknown =
+        VerdictReason::unknown_uncertainty(None, message).filter(|_| !prepared.plan.places.elements.is_empty());
+    let depth =
+        (outcome.still_moving > 0).then_some("a body still moves in a target: its penetration depth is not final");
+    let depth = depth.and_then(|message| VerdictReason::of("R315", message));
+    let mut summary = RunSummary {
+        verdict: RunVerdict::default(),
+        unknown: unknown.into_iter().chain(depth).collect(),
         halt: outcome.halt.clone(),
         interrupted: outcome.halt.as_ref().is_some_and(|h| matches!(h, HaltReason::Interrupted(_))),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         ended_by_user: outcome.ended_by_user,
         warnings: outcome.warnings,
+        ranges: outcome.ranges,
         messages: host::take_messages(),
         limits: outcome.steps.iter().map(|step| step.limits.named(&prepared.plan)).collect(),
         steps: outcome.steps,
@@ -826,7 +878,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         deck: DeckSummary::of(prepared),
         version: env!("CARGO_PKG_VERSION"),
         provenance: None,
-    }
+    };
+    summary.judge();
+    summary
 }
 
 /// Returns the job of a deck: the name is the file name without extension, the default folder `out/<job>`.

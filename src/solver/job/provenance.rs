@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::PreparedJob;
 use crate::deck::digest::sha256;
-use crate::deck::files;
+use crate::deck::{files, source};
 use crate::output::sums::sum;
 use crate::output::{INPUT, JobFiles, write_whole};
 use crate::platform::processor_name;
@@ -54,7 +54,7 @@ pub struct InputFile {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Provenance {
-    /// Commit of the source; `None` unless the program was built with the variable `REVOLVE_COMMIT`.
+    /// Commit of the source, its date, and `modified` for changed sources; `None` if it is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub commit: Option<String>,
     /// Operating system and architecture for which the program was built.
@@ -62,6 +62,9 @@ pub struct Provenance {
     /// Words of the command line after the name of the program; empty for runs from Rust and Python.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub command: Vec<String>,
+    /// Absolute path of the deck; `None` for standard input and texts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deck: Option<String>,
     /// Instant at which the run began, UTC.
     pub started: String,
     /// Instant at which the summary was written, UTC.
@@ -97,6 +100,7 @@ impl Provenance {
             commit: option_env!("REVOLVE_COMMIT").map(str::to_owned),
             target: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
             command,
+            deck: deck_path(sources.first().map(|file| &*file.path)),
             started: now(),
             ended: String::new(),
             processor: processor_name(),
@@ -131,9 +135,10 @@ impl Provenance {
 }
 
 impl InputFile {
-    /// Reads a file, number `at` of the input; a deck from standard input has its text only.
+    /// Reads a file, number `at` of the input. A deck from standard input, or one that has changed since, has its text only.
     fn of(&ReadFile { kind, path, text }: &ReadFile<'_>, folder: &Path, at: usize) -> InputFile {
-        let contents = files::read(path).unwrap_or_else(|_| text.as_bytes().to_vec());
+        let is_read = |bytes: &Vec<u8>| text.is_empty() || source::decode(bytes.clone()) == text;
+        let contents = files::read(path).ok().filter(is_read).unwrap_or_else(|| text.as_bytes().to_vec());
         let inside = path.strip_prefix(folder).unwrap_or(path);
         let is_inside = inside.components().all(|part| matches!(part, Component::Normal(_)));
         let name = path.file_name().map_or("deck".into(), |name| name.to_string_lossy());
@@ -150,6 +155,12 @@ impl InputFile {
             contents: if is_copied { contents } else { Vec::new() },
         }
     }
+}
+
+/// Returns the absolute path of a deck that is a file.
+fn deck_path(path: Option<&Path>) -> Option<String> {
+    let path = path.filter(|path| path.is_file())?;
+    Some(std::path::absolute(path).ok()?.to_string_lossy().into_owned())
 }
 
 /// Returns the current instant as text.

@@ -3,8 +3,8 @@
 use crate::model::{CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
 use crate::plan::ledger::Ledger;
 use crate::plan::{
-    AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRigidBody,
-    RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
+    AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRange,
+    PlannedRigidBody, RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
 };
 use crate::remesh::interpolation::TracerPoint;
 use crate::state::EffectId;
@@ -63,6 +63,8 @@ pub struct Plan {
     pub movable_groups: Vec<bool>,
     /// Whether nodes without elements leave the contact (`NODAL EROSION=YES`).
     pub excludes_detached_nodes: bool,
+    /// Ranges in which the constants of materials hold.
+    pub ranges: Vec<PlannedRange>,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
     pub expects_dissipation: bool,
 }

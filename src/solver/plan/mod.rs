@@ -47,6 +47,7 @@ pub use output::{
 };
 pub(crate) use report::{LedgerRows, Report};
 pub(crate) use scene::{GroupInput, Pairs, Scene, Shared, StepInput};
+pub use solids::ranges::PlannedRange;
 pub use state::State;
 use steps::PlannedSteps;
 
@@ -123,6 +124,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     state.amplitude_routines = std::mem::take(&mut report.shared.amplitudes);
     let corners = columns.sections.iter().flat_map(|section| &section.corners);
     state.elements.tile(corners.map(|corner| (corner.group, corner.element)));
+    let ranges = solids::ranges::plan(scene, &mut report);
     let Report { ledger, ledger_rows, diagnostics: plan_diagnostics, shared, .. } = report;
     let list = bodies.take_list(&velocities);
     diagnostics.append(plan_diagnostics);
@@ -157,6 +159,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         returns_heat: model.materials.iter().any(|m| m.is_ideal_gas() || m.is_explosive()),
         has_equation_of_state: model.has_equation_of_state(),
         has_user_stress: model.materials.iter().any(|m| m.user.material.is_some()),
+        ranges,
         expects_dissipation: expects_dissipation(model),
     };
     bytes::record_bytes(&mut plan, &state);

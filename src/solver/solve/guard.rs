@@ -86,7 +86,10 @@ impl RunReport {
     pub(super) fn warn_of_constraints(&mut self, run: &RunState<'_>, constraints: &mut [Box<dyn Constraint>]) {
         for monitor in of_kind_mut::<OverlapMonitor>(constraints) {
             let overlaps = monitor.overlaps(&run.state.dofs, &run.clock());
-            overlaps.into_iter().for_each(|text| self.outcome.warn("R311", text));
+            for text in overlaps {
+                // "although they are tied", "although contact is defined between them"
+                self.outcome.warn(if text.contains("although") { "R325" } else { "R311" }, text);
+            }
         }
     }
 

@@ -22,6 +22,7 @@ mod onset;
 mod outcome;
 mod penetrations;
 mod position;
+mod ranges;
 mod reaction_means;
 mod release;
 mod remesh;
@@ -54,6 +55,7 @@ pub use outcome::{
     AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, RunEnd, StepSummary,
 };
 pub use position::RunPosition;
+pub use ranges::RangeShare;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
 pub use restart::{CheckpointInterval, END_OF_TRIAL, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::energy::Energy;
 use super::limits::IncrementLimits;
+use super::ranges::RangeShare;
 use crate::load::PenetrationOutcome;
 use crate::state::EffectId;
 use crate::state::halt::HaltReason;
@@ -13,7 +14,7 @@ use crate::state::halt::HaltReason;
 #[derive(Clone, Debug, Default, Serialize, Persist)]
 // Halts and results at the end do not exist yet; run times belong to this process.
 #[persist(
-    derived: new_meshes, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
+    derived: ranges, new_meshes, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
         deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
 )]
 pub struct Outcome {
@@ -48,6 +49,8 @@ pub struct Outcome {
     pub new_meshes: Vec<MeshChanges>,
     /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
     pub mesh_shape: Option<MeshShape>,
+    /// Shares of materials beyond the range of their constants.
+    pub ranges: Vec<RangeShare>,
     /// Warnings issued during the run; each begins with its code.
     pub warnings: Vec<String>,
     /// Increments over all steps.

@@ -29,6 +29,11 @@ impl Outcome {
         }
     }
 
+    fn warn_of_missed_target(&mut self, body: &str) {
+        let text = format!("{body} has not reached its target until the end of the run: no resistance has acted");
+        self.warn("R326", text);
+    }
+
     fn report_along_z(&mut self, body: String, outcome: PenetrationOutcome, velocity: f64) {
         match outcome {
             PenetrationOutcome::Moving => {
@@ -43,7 +48,8 @@ impl Outcome {
                 ));
                 self.exits.push(BodyExit { body, velocity });
             }
-            PenetrationOutcome::AtRest | PenetrationOutcome::Ricochet | PenetrationOutcome::NotMet => {}
+            PenetrationOutcome::NotMet => self.warn_of_missed_target(&body),
+            PenetrationOutcome::AtRest | PenetrationOutcome::Ricochet => {}
         }
     }
 
@@ -68,7 +74,8 @@ impl Outcome {
             PenetrationOutcome::Ricochet => {
                 self.unfinished.push(format!("{body} has ricocheted: it left the target through its front {exit}"))
             }
-            PenetrationOutcome::AtRest | PenetrationOutcome::NotMet => {}
+            PenetrationOutcome::NotMet => self.warn_of_missed_target(&body),
+            PenetrationOutcome::AtRest => {}
         }
         self.penetrations.push(PenetrationSummary {
             body,

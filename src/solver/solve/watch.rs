@@ -5,6 +5,7 @@ use super::collapse::{CollapseMonitor, name_remedies};
 use super::energy::{ADVECTION, ARTIFICIAL, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
 use super::masses::warning_of_added_mass;
 use super::outcome::Outcome;
+use super::ranges::RangeMonitor;
 use super::run_state::RunState;
 use super::volumes::warn_of_volumes;
 use crate::constraint::contact::{ContactConstraint, ContactPair};
@@ -112,6 +113,8 @@ pub(super) struct RunMonitor {
     pub(super) collapse: CollapseMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
+    /// Shares of materials beyond the range of their constants.
+    ranges: RangeMonitor,
     /// Number of warnings that the sink has received.
     pub(super) shown: usize,
 }
@@ -147,6 +150,7 @@ impl RunMonitor {
 
     /// Sets the bound for the warning of drift: error control keeps the drift below `accuracy`.
     pub(super) fn begin_drift_bound(&mut self, run: &RunState<'_>) {
+        self.ranges.prepare(run);
         self.drift_bound = match run.step.control {
             IncrementControl::Automatic { accuracy, .. } if run.state.dofs.nodes.is_empty() => {
                 SOUND[0].min(DRIFT_OVER_ACCURACY * accuracy)
@@ -167,7 +171,7 @@ impl RunMonitor {
         let drifts = balance.drifts(self.drift_bound);
         note_since(&mut self.unsound[0], drifts, now);
         let below = balance.has_solid() && self.compare_solid(balance, now);
-        !drifts && !below && now.increment < self.next_look
+        !drifts && !below && now.increment < self.next_look.min(self.ranges.next)
     }
 
     /// Compares the energies of deformable bodies with their values so far and with the energy put in. Returns whether one
@@ -210,6 +214,7 @@ impl RunReport {
     pub(super) fn watch(&mut self, run: &mut RunState<'_>) {
         self.watch_terms(run);
         self.watch_contact(run);
+        self.watch.ranges.sample(run, false);
         if run.now.increment >= self.watch.next_look {
             self.watch.next_look = run.now.increment + run.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern(run);
@@ -410,6 +415,7 @@ impl RunReport {
         if let Some(warning) = warning_of_added_mass(run) {
             self.outcome.warn("R316", warning);
         }
+        self.watch.ranges.finish(run, &mut self.outcome);
         warn_of_volumes(run.plan, &mut run.state, &mut self.outcome);
         let values = [run.balance.drift(), run.balance.artificial_share(SMALL)];
         let of_deck = run.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);

@@ -281,6 +281,16 @@ values: [f64; 2] = [
     ]),
 ]);
 
+/// Words of the quantities of `*MATERIAL RANGE`, in the order of `RangedQuantity`.
+const RANGED: &[&str] = &["STRAIN RATE", "TEMPERATURE", "PRESSURE", "PLASTIC STRAIN"];
+
+card!(MaterialRange: extension "MATERIAL RANGE", "Range in which the constants of the material hold, from their source. It does not change the results: the ledger lists the share of mass and time beyond it, with a warning and the verdict `suspect` above 5 %", (once below "MATERIAL"), {
+}, rows: Vec<[f64; 3]> = [(rows [
+    "quantity" (word(RANGED).required()) "STRAIN RATE: rate of the plastic strain, weighted by the plastic strain in place of time; TEMPERATURE; PRESSURE, positive in compression; PLASTIC STRAIN",
+    "lower limit" (NUMBER) "Default: none",
+    "upper limit" (NUMBER) "Default: none",
+])]);
+
 card!(DamageStabilization: "DAMAGE STABILIZATION", "Viscosity of the damage of cohesive elements and surfaces: the damage that acts follows that of the law with a delay", (below "MATERIAL" | "SURFACE INTERACTION"), {
 }, viscosity: [f64; 1] = [(lines ["viscosity" (NOT_NEGATIVE.required()) "Time in which the damage follows; 0: no delay"])]);
 
@@ -467,6 +477,7 @@ pub const CARDS: &[Keyword] = &[
     DamageEvolution::ROW,
     CoupledDamage::ROW,
     FailedMaterial::ROW,
+    MaterialRange::ROW,
     DamageStabilization::ROW,
     PhysicalConstants::ROW,
     Plastic::ROW,

@@ -53,6 +53,8 @@ pub struct MaterialDefinition {
     pub tensile_failure: Option<TensileFailure>,
     /// What remains of failed elements that stay (`*FAILED MATERIAL`, `*SHEAR FAILURE, ELEMENT DELETION=NO`).
     pub failed: Option<FailedMaterial>,
+    /// Ranges in which the constants hold (`*MATERIAL RANGE`, extension).
+    pub ranges: Vec<ValidityRange>,
     /// Traction-separation law of cohesive elements.
     pub interface: InterfaceDefinition,
     /// Resistance to cavity expansion (`*CAVITY EXPANSION`, extension).
@@ -347,6 +349,72 @@ pub struct FailedMaterial {
     pub crossings: f64,
     /// Source position of the keyword line.
     pub span: Span,
+}
+
+/// Quantity with a range in which the constants of a material hold, in the order of the words of `*MATERIAL RANGE`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RangedQuantity {
+    /// Rate of the equivalent plastic strain.
+    StrainRate,
+    /// Temperature.
+    Temperature,
+    /// Pressure, positive in compression.
+    Pressure,
+    /// Equivalent plastic strain.
+    PlasticStrain,
+}
+
+impl RangedQuantity {
+    /// All quantities.
+    pub const ALL: [RangedQuantity; 4] = [
+        RangedQuantity::StrainRate,
+        RangedQuantity::Temperature,
+        RangedQuantity::Pressure,
+        RangedQuantity::PlasticStrain,
+    ];
+
+    /// Returns the name.
+    pub fn name(self) -> &'static str {
+        match self {
+            RangedQuantity::StrainRate => "plastic strain rate",
+            RangedQuantity::Temperature => "temperature",
+            RangedQuantity::Pressure => "pressure",
+            RangedQuantity::PlasticStrain => "plastic strain",
+        }
+    }
+
+    /// Returns the name of the quantity over which shares are weighted.
+    pub fn basis(self) -> &'static str {
+        if self == RangedQuantity::StrainRate { "mass and plastic strain" } else { "mass and time" }
+    }
+}
+
+/// Range of a quantity in which the constants of a material hold (`*MATERIAL RANGE`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValidityRange {
+    /// The quantity.
+    pub quantity: RangedQuantity,
+    /// Lower limit; minus infinity without one.
+    pub low: f64,
+    /// Upper limit; infinity without one.
+    pub high: f64,
+    /// Source position of the keyword line.
+    pub span: Span,
+}
+
+impl ValidityRange {
+    /// Returns the limits in words.
+    pub fn limits(&self) -> String {
+        let text = |limit: f64| {
+            let is_short = limit == 0.0 || (1e-3..1e5).contains(&limit.abs());
+            if is_short { limit.to_string() } else { format!("{limit:e}") }
+        };
+        match (self.low.is_finite(), self.high.is_finite()) {
+            (true, true) => format!("{} to {}", text(self.low), text(self.high)),
+            (true, false) => format!("from {}", text(self.low)),
+            _ => format!("to {}", text(self.high)),
+        }
+    }
 }
 
 /// Failure at a tensile hydrostatic stress, and its effect on the stress (`*TENSILE FAILURE`).

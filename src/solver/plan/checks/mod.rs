@@ -3,6 +3,7 @@
 pub mod contact_pairs;
 pub mod overlaps;
 pub mod plausibility;
+pub mod targets;
 pub mod values;
 
 use crate::deck::Diagnostic;

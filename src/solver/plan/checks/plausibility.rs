@@ -8,6 +8,7 @@ use crate::model::{
     DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, SYSTEMS,
     SolidSection, Step, UnitSystem, is_without_units,
 };
+use crate::plan::checks::targets::check_targets;
 use crate::plan::checks::values::check_values;
 use crate::plan::{Report, Scene, State};
 use crate::platform::PortableMath as _;
@@ -39,6 +40,7 @@ pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) ->
 }
 
 pub fn check_plausibility(scene: Scene, state: &State, report: &mut Report) {
+    check_targets(scene, report);
     if state.elements.is_empty() {
         check_increments_of_springs(scene.model, state.elements.stable_increment(), report);
         return;
@@ -70,14 +72,14 @@ fn check_units(model: &Model, report: &mut Report) {
 }
 
 /// An initial velocity along a degree of freedom.
-struct InitialVelocity<'m> {
-    condition: &'m InitialCondition,
+pub struct InitialVelocity<'m> {
+    pub condition: &'m InitialCondition,
     dof: u8,
-    value: f64,
+    pub value: f64,
 }
 
 /// Iterates over the initial velocities along the axes.
-fn initial_velocities(model: &Model) -> impl Iterator<Item = InitialVelocity<'_>> {
+pub fn initial_velocities(model: &Model) -> impl Iterator<Item = InitialVelocity<'_>> {
     model.initial_conditions.iter().filter_map(|condition| match condition.kind {
         InitialKind::Velocity(dof, value) if dof <= 2 => Some(InitialVelocity { condition, dof, value }),
         _ => None,

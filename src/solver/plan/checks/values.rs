@@ -13,6 +13,9 @@ use crate::plan::checks::plausibility::side_lengths;
 const LARGEST_EXPONENT: f64 = 1.0;
 /// Usual range of specific heat times one kelvin over the squared wave speed: polymers 7e-4, steel 2e-5, tungsten 7e-6.
 const HEAT_PER_STIFFNESS: [f64; 2] = [1e-6, 1e-2];
+/// Range of the initial yield stress over Young's modulus: soft pure metals have 1e-5, polymers 0.05, and the theoretical
+/// strength of a perfect crystal is about 0.1.
+const YIELD_PER_STIFFNESS: [f64; 2] = [1e-6, 0.2];
 /// Coefficients of bulk viscosity above which a mistake is assumed, linear and quadratic (defaults 0.06 and 1.2).
 const LARGEST_VISCOSITY: [f64; 2] = [0.5, 10.0];
 /// Mass factor above which a mistake is assumed: it multiplies all times of motion by 100.
@@ -75,7 +78,7 @@ fn check_fixed_velocities(model: &Model, report: &mut Report) {
     }
 }
 
-fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report) {
+pub fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report) {
     report.push(Diagnostic::warning(code, message).at(span, label).help(help));
 }
 
@@ -235,6 +238,19 @@ fn plasticity(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
             }
         }
         _ => {}
+    }
+    let first = match &material.plastic {
+        Some(PlasticityModel::JohnsonCook([a, ..])) => Some(*a),
+        Some(PlasticityModel::Tabular(rows)) => rows.first().map(|row| row[0]),
+        _ => None,
+    };
+    // Poisson's ratio 0.3 gives the modulus of a material with *EOS.
+    let modulus = material.elastic.map(|[modulus, _]| modulus).or(material.shear_modulus.map(|shear| 2.6 * shear));
+    let ratio = first.zip(modulus).map(|(stress, modulus)| stress / modulus).filter(|ratio| *ratio > 0.0);
+    if let Some(ratio) = ratio.filter(|ratio| !(YIELD_PER_STIFFNESS[0]..=YIELD_PER_STIFFNESS[1]).contains(ratio)) {
+        let message =
+            format!("the yield stress of `{name}` is {ratio:.1e} of its Young's modulus; metals have 1e-5 to 0.02");
+        implausible(message, "yield stress and modulus need the same unit: MPa in mm, t, s and Pa in m, kg, s");
     }
     if let Some(RateDependence::JohnsonCook([c, _])) = material.rate
         && !(0.0..=1.0).contains(&c)

@@ -5,6 +5,7 @@ pub mod cohesive;
 mod concrete;
 pub mod erosion;
 pub mod mass_scaling;
+pub mod ranges;
 pub mod shells;
 pub mod soft_material;
 pub mod solid_material;
