@@ -43,6 +43,7 @@ mod general_contact;
 mod hourglass;
 mod infinite;
 mod large_motion;
+mod layered_shells;
 mod links;
 mod loads;
 mod local_refinement;

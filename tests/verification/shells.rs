@@ -22,7 +22,7 @@ const RATIO: f64 = 0.3;
 const DENSITY: f64 = 7800.0;
 
 /// Returns shells along a line of points, with node sets A and B at its ends.
-fn shell_line(places: &[[f64; 2]], section: &str, material: &str) -> String {
+pub(crate) fn shell_line(places: &[[f64; 2]], section: &str, material: &str) -> String {
     let mut text = String::from("*Node, nset=ALL\n");
     for (i, [r, z]) in places.iter().enumerate() {
         writeln!(text, " {}, {r:.17e}, {z:.17e}", i + 1).expect("text");
@@ -43,19 +43,19 @@ fn section(thickness: f64) -> String {
     format!("*Shell section, elset=SHELL, material=M\n {thickness}, 5\n")
 }
 
-fn step(time: f64, cards: &str, outputs: &str) -> String {
+pub(crate) fn step(time: f64, cards: &str, outputs: &str) -> String {
     format!(
         "*Step\n*Dynamic, explicit\n , {time:e}\n{cards}*Output, history, number interval=2000\n{outputs}*End step\n"
     )
 }
 
 /// Returns a smooth amplitude over part of the step; the remaining vibration is below 1e-4 of the static deflection.
-fn smooth_amplitude(time: f64) -> String {
+pub(crate) fn smooth_amplitude(time: f64) -> String {
     format!("*Amplitude, name=SLOWLY, definition=SMOOTH STEP\n 0., 0., {time:e}, 1.\n")
 }
 
 /// Returns the mean of a column over the last quarter of the rows.
-fn static_value(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
+pub(crate) fn static_value(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
     let rows = column(text, memory, name);
     let tail = &rows[rows.len() * 3 / 4..];
     tail.iter().map(|r| r.1).sum::<f64>() / tail.len() as f64
@@ -70,7 +70,7 @@ fn frequency(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
 }
 
 #[track_caller]
-fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
+pub(crate) fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found}, expected {expected}");
 }
 

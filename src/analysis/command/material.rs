@@ -10,9 +10,10 @@ use super::words::{print_err, print_out};
 use super::{CommandStatus, PictureFormat, UserFiles, print_table, print_unit_warnings, read_model, write_results};
 use crate::deck::names::nearest;
 use crate::job;
-use crate::model::{MaterialId, Model};
+use crate::model::{HyperelasticLaw, MaterialId, Model};
 use crate::output;
 use crate::study::material::{self, TensionCurve, TensionRequest};
+use crate::study::rubber;
 use crate::user::Routines;
 
 /// Compute the true stress over the true strain of the materials of a deck in uniaxial tension, with one element.
@@ -163,11 +164,16 @@ impl MaterialCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let units = model.settings.units.as_ref();
         let ending = |name: &str| if named.len() == 1 { String::new() } else { format!("_{}", file_word(name)) };
-        let charts: Vec<_> =
+        let mut charts: Vec<_> =
             named.iter().map(|(name, curves)| (ending(name), material::chart(name, curves, units))).collect();
         let (job, _lock) = self.results.lock_job(&self.deck)?;
         job::make_folder(&job)?;
         let labels = self.results.labels.checked(material::AXES)?;
+        let fitted = fitted_laws(model, named);
+        for (name, law) in &fitted {
+            let pictures = rubber::charts(name, law, units);
+            charts.extend(pictures.into_iter().map(|(kind, chart)| (format!("{}{kind}", ending(name)), chart)));
+        }
         write_results(&job, "material", &material::point_table(named), Vec::new(), &charts, &labels)?;
         if let (Some(path), Some(format), Some((_, chart))) = (&self.plot, format, charts.first()) {
             output::write_whole(path, &format.bytes(&labels.applied(chart.clone()).drawing()?)?)?;
@@ -177,6 +183,9 @@ impl MaterialCommand {
             return Ok(super::output_status());
         }
         print_table(&material::table(named, self.strain, units));
+        if !fitted.is_empty() {
+            print_table(&rubber::table(&fitted));
+        }
         for (name, curves) in named {
             for (curve, reason) in curves.iter().filter_map(|c| Some((c, c.halt.as_ref()?))) {
                 print_err!("warning: {name}, {}: the run halted: {reason}", curve.label(units));
@@ -193,6 +202,13 @@ impl MaterialCommand {
         self.plot.iter().for_each(|path| print_out!("picture {}", path.display()));
         Ok(super::output_status())
     }
+}
+
+/// Returns the chosen materials whose constants are fitted to test data.
+fn fitted_laws<'a>(model: &'a Model, named: &[NamedCurves]) -> Vec<(String, &'a HyperelasticLaw)> {
+    let is_chosen = |name: &str| named.iter().any(|(chosen, _)| chosen == name);
+    let laws = model.materials.iter().filter_map(|m| Some((m.name.clone(), m.hyperelastic.as_ref()?)));
+    laws.filter(|(name, law)| is_chosen(name) && !law.test_data.is_empty()).collect()
 }
 
 fn names(model: &Model) -> Vec<&str> {

@@ -141,6 +141,7 @@ pub fn obstacle(material: &MaterialDefinition) -> Option<&'static str> {
         {
             None
         }
+        _ if material.lamina.is_some() => Some("a lamina (*ELASTIC, TYPE=LAMINA) is a layer of shells"),
         _ if material.cavity.is_some() => Some("it is the resistance of a target without a mesh (*CAVITY EXPANSION)"),
         _ => Some("it has no elasticity (*ELASTIC, *HYPERELASTIC or *USER MATERIAL)"),
     }

@@ -40,10 +40,11 @@ pub mod quantity;
 pub mod record;
 pub mod refinement;
 pub mod richardson;
+#[cfg(feature = "cli")]
+pub mod rubber;
 pub mod runner;
 #[cfg(feature = "cli")]
 pub(crate) mod scatter;
-#[cfg(feature = "cli")]
 pub mod sensitivity;
 pub mod settings;
 pub mod shot;

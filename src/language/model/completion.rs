@@ -104,7 +104,7 @@ fn initial_temperature(context: &Context<'_>, material: usize) -> Result<f64, &'
             condition.members.iter().for_each(|&n| nodes[n] = value);
         }
     }
-    let elements = context.model.material_regions().filter(|s| s.0.index() == material).flat_map(|s| s.1);
+    let elements = context.model.layer_regions().filter(|s| s.0.index() == material).flat_map(|s| s.1);
     let elements = elements.flat_map(|&e| &context.model.mesh.elements[e].nodes);
     let mut temperatures = elements.map(|&n| nodes[n]);
     let first =

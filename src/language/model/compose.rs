@@ -6,8 +6,8 @@ use super::types::{
     Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, CohesiveSection, Element, ElementKind,
     ElementSetId, ElementSide, IncrementControl, InitialCondition, InitialKind, Load, LoadKind, MaterialDefinition,
     MaterialId, MemberSet, Model, MotionKind, NodeSetId, OutputCard, OutputExpression, OutputInterval, OutputKind,
-    OutputPosition, OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls, ShellSection, ShellThinning,
-    SideSelection, SolidSection, Step,
+    OutputPosition, OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls, ShellLayer, ShellSection,
+    ShellThinning, SideSelection, SolidSection, Step,
 };
 use crate::deck::Span;
 use crate::kernel::lists::sorted_unique;
@@ -15,11 +15,19 @@ use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 
 impl Model {
-    /// Iterates over material and elements of all sections: solids, shells, cohesive elements.
+    /// Iterates over material and elements of all sections: solids, shells with their first layer, cohesive elements.
     pub fn material_regions(&self) -> impl Iterator<Item = (MaterialId, &[usize])> {
         let solids = self.sections.iter().map(|s| (s.material, &s.elements[..]));
         let cohesive = self.cohesive_sections.iter().map(|s| (s.material, &s.elements[..]));
-        solids.chain(self.shell_sections.iter().map(|s| (s.material, &s.elements[..]))).chain(cohesive)
+        let shells = self.shell_sections.iter().map(|s| (s.layers[0].material, &s.elements[..]));
+        solids.chain(shells).chain(cohesive)
+    }
+
+    /// Iterates over material and elements of all sections, with all layers of shells.
+    pub fn layer_regions(&self) -> impl Iterator<Item = (MaterialId, &[usize])> {
+        let upper = |s: &'_ ShellSection| -> Vec<MaterialId> { s.layers.iter().skip(1).map(|l| l.material).collect() };
+        let further = self.shell_sections.iter().flat_map(move |s| upper(s).into_iter().map(|m| (m, &s.elements[..])));
+        self.material_regions().chain(further)
     }
 
     /// Adds a node at `[r, z]` and returns its index. Its name is its number, counted from 1.
@@ -74,9 +82,8 @@ impl Model {
     pub fn shell_section(&mut self, elements: &[usize], material: MaterialId, thickness: f64) -> &mut ShellSection {
         self.shell_sections.push(ShellSection {
             elements: elements.to_vec(),
-            material,
-            thickness,
-            points: 5,
+            layers: vec![ShellLayer { material, thickness, points: 5, angle: 0.0 }],
+            offset: 0.0,
             per_area: 0.0,
             thinning: ShellThinning::Material,
             span: Span::composed(),

@@ -6,7 +6,7 @@ use super::adaptive::check_size_limits;
 use super::faults::{ValueCheck, is_non_negative, is_positive, require};
 use super::fields::MOST_FIELDS;
 use super::interactions::check_overclosure;
-use super::shells::check_points;
+use super::shells::{check_offset, check_points};
 use super::targets::no_resistance;
 use super::types::{
     AdaptiveControls, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorProperty, CoulombFriction, ElementKind,
@@ -252,7 +252,7 @@ impl ConsistencyCheck<'_> {
         let model = self.model;
         model.sections.iter().for_each(|s| self.section(s.span, &s.elements, s.material));
         for section in &model.shell_sections {
-            self.section(section.span, &section.elements, section.material);
+            self.elements(section.span, &section.elements);
             self.shell_section(section);
         }
         for section in &model.cohesive_sections {
@@ -292,10 +292,16 @@ impl ConsistencyCheck<'_> {
     }
 
     fn shell_section(&mut self, section: &ShellSection) {
-        let fields = fields!(materials::ShellSection: "thickness", "points", "DENSITY");
-        let values = [section.thickness, section.points as f64, section.per_area].map(Some);
-        self.ranges(section.span, "", fields, values);
-        self.accept("", section.span, check_points(section.points));
+        self.ranges(section.span, "", fields!(materials::ShellSection: "DENSITY"), [Some(section.per_area)]);
+        self.value(!section.layers.is_empty(), section.span, "a shell section requires a layer");
+        for (index, layer) in section.layers.iter().enumerate() {
+            let values = [layer.thickness, layer.points as f64].map(Some);
+            self.ranges(section.span, "", fields!(materials::ShellSection: "thickness", "points"), values);
+            self.indices("M111", section.span, "material", &[layer.material.index()], self.model.materials.len());
+            self.accept("", section.span, check_points(index, layer.points));
+            self.value(layer.angle.is_finite(), section.span, "the angle of a layer must be finite");
+        }
+        self.accept("", section.span, check_offset(section.offset));
         self.accept("", section.span, section.thinning.check());
     }
 

@@ -10,12 +10,14 @@ use super::types::{
 };
 use super::{cohesive, derive, fields, user_material};
 use crate::deck::table::materials as cards;
-use crate::deck::{Card, Diagnostic};
+use crate::deck::{Card, Diagnostic, Word};
+use crate::kernel::laminate::Lamina;
 use crate::kernel::levels::NestedTable;
 
 /// Index of the value of `TYPE` of `*ELASTIC` in the keyword table.
 const TRACTION: usize = 2;
 const COUPLED_TRACTION: usize = 3;
+const LAMINA: usize = 4;
 /// Indices of the values of `HARDENING`, the first one also of `TYPE` of `*ELASTIC`.
 const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
@@ -42,6 +44,12 @@ pub fn read_elastic(context: &mut Context<'_>, card: &Card) {
         ISOTROPIC => {}
         TRACTION => return context.last_material().interface.elastic = Some(card.read_lines()),
         COUPLED_TRACTION => return cohesive::coupled_traction(context, card),
+        LAMINA => {
+            let [e1, e2, ratio, g12, g13, g23]: [f64; 6] = card.read_lines();
+            let lamina = Lamina { young: [e1, e2], ratio, shear: [g12, g13, g23] };
+            let accepted = context.accepts(card, check_lamina(&lamina));
+            return context.last_material().lamina = accepted.then_some(lamina);
+        }
         _ => {
             let [modulus]: [f64; 1] = card.read_lines();
             return context.last_material().shear_modulus = Some(modulus);
@@ -64,6 +72,14 @@ fn elastic_table(context: &mut Context<'_>, card: &Card, fields: usize) -> Optio
         context.last_material().elastic_table = rows;
     }
     Some(())
+}
+
+/// Checks that the strain energy of a lamina is positive.
+pub fn check_lamina(lamina: &Lamina) -> ValueCheck {
+    let bound = (lamina.young[0] / lamina.young[1]).sqrt();
+    let message =
+        format!("the absolute value of nu12 must be less than the root of E1/E2, {bound}, found {}", lamina.ratio);
+    require(lamina.is_stable(), message)
 }
 
 /// Checks rows of moduli over temperature and field variables.
@@ -250,16 +266,29 @@ pub fn section_of(
     card: &Card,
     fits: fn(ElementKind) -> bool,
 ) -> Option<(Vec<usize>, MaterialId)> {
-    let (Some(set), Some(material)) = (context.required(card, "ELSET"), context.required(card, "MATERIAL")) else {
-        return None;
-    };
-    // A section in a part may precede its material: the name is looked up in the whole deck.
-    let known = context.names.materials.get(&upper(&material.text)).copied();
+    let word = context.required(card, "MATERIAL")?;
+    let material = material_named(context, word)?;
+    Some((elements_of_section(context, sections, card, fits)?, material))
+}
+
+/// Returns the material with a name. A section in a part may precede its material: the name is looked up in the whole deck.
+pub fn material_named(context: &mut Context<'_>, word: &Word) -> Option<MaterialId> {
+    let known = context.names.materials.get(&upper(&word.text)).copied();
+    if known.is_none() {
+        context.unknown("M111", "material", word, |b| b.names.materials.keys().cloned().collect());
+    }
+    known.map(MaterialId::new)
+}
+
+/// Returns the elements of a section, checked for their types.
+pub fn elements_of_section(
+    context: &mut Context<'_>,
+    sections: &mut SectionReader,
+    card: &Card,
+    fits: fn(ElementKind) -> bool,
+) -> Option<Vec<usize>> {
+    let set = context.required(card, "ELSET")?;
     let elements = context.element_members(set).unwrap_or_default();
-    let Some(index) = known else {
-        context.unknown("M111", "material", material, |b| b.names.materials.keys().cloned().collect());
-        return None;
-    };
     sections.assign_property(context, "section", &elements, card.span);
     let mesh = &context.model.mesh;
     if let Some(&other) = elements.iter().find(|e| !fits(mesh.elements[**e].kind)) {
@@ -269,7 +298,7 @@ pub fn section_of(
         let help = "*SOLID SECTION is for CAX3, CAX4R, CAX6M and CINAX4, *SHELL SECTION for SAX1, *COHESIVE SECTION for COHAX4";
         return context.diagnostics.refuse(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
     }
-    Some((elements, MaterialId::new(index)))
+    Some(elements)
 }
 
 /// Assigns section controls to sections; the controls may be defined after the section.

@@ -56,6 +56,7 @@ mod name;
 mod named_clearances;
 mod names;
 mod nodes;
+mod ogden_fit;
 mod order;
 mod outputs;
 mod parts;

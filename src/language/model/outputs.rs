@@ -215,7 +215,7 @@ fn section_points(context: &mut Context<'_>, card: &Card, region: &OutputRegion)
     };
     let meant = |e: &usize| members.is_none_or(|m| m.binary_search(e).is_ok());
     let shells = context.model.shell_sections.iter().filter(|s| s.elements.iter().any(meant));
-    let mut counts: Vec<usize> = shells.map(|s| s.points).collect();
+    let mut counts: Vec<usize> = shells.map(|s| s.layers.iter().map(|layer| layer.points).sum()).collect();
     counts.dedup();
     let [count] = counts[..] else {
         let message = match counts.len() {

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::families::MaterialReader;
 use super::faults::{ValueCheck, is_non_negative, is_positive, require};
-use super::rubber_fit::RubberFit;
+use super::rubber_fit::{FittedForm, RubberFit};
 use super::types::{DeviatoricEnergy, HyperelasticLaw};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
@@ -44,7 +44,8 @@ pub fn read_hyperelastic(context: &mut Context<'_>, materials: &mut MaterialRead
     let Some(values) = rubber_constants(context, card, constant_count + order) else { return };
     let (constants, compressibility) = values.split_at(constant_count);
     let shape = shape(constants, order);
-    let rubber = HyperelasticLaw { shape, compressibility: compressibility.to_vec(), span: card.span };
+    let (compressibility, span) = (compressibility.to_vec(), card.span);
+    let rubber = HyperelasticLaw { shape, compressibility, test_data: Vec::new(), span };
     if context.accepts(card, rubber.check()) {
         context.last_material().hyperelastic = Some(rubber);
     }
@@ -52,16 +53,13 @@ pub fn read_hyperelastic(context: &mut Context<'_>, materials: &mut MaterialRead
 
 /// Requests the fit of the constants to the test data that follow.
 fn request_fit(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card, form: &str, order: usize) {
-    let exponents = match form {
-        "OGDEN" => {
-            let help = "give the constants on the data lines, or use a polynomial form";
-            return context.unsupported(card.span, "test data are fitted for polynomial forms only", help);
-        }
-        "NEO HOOKE" | "YEOH" | "REDUCED POLYNOMIAL" => reduced(order),
-        _ => full(order),
+    let fitted = match form {
+        "OGDEN" => FittedForm::Ogden(order),
+        "NEO HOOKE" | "YEOH" | "REDUCED POLYNOMIAL" => FittedForm::Polynomial(reduced(order)),
+        _ => FittedForm::Polynomial(full(order)),
     };
     let material = context.model.materials.len() - 1;
-    materials.rubber_fits.push(RubberFit { material, exponents, order, span: card.span, data: Vec::new() });
+    materials.rubber_fits.push(RubberFit { material, form: fitted, order, span: card.span, data: Vec::new() });
 }
 
 impl HyperelasticLaw {

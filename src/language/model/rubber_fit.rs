@@ -1,24 +1,17 @@
-//! Constants of `*HYPERELASTIC, TEST DATA INPUT`: polynomial strain energies fitted to measured stresses.
+//! Constants of `*HYPERELASTIC, TEST DATA INPUT`: strain energies fitted to measured stresses.
 //!
 //! The sum of the squared relative errors of the nominal stresses is least (ABAQUS Theory Guide 4.6.2, "Fitting of
-//! hyperelastic and hyperfoam constants"). The stresses are linear in the constants, so that the fit is one linear
-//! least-squares problem, solved by singular values.
+//! hyperelastic and hyperfoam constants"). The stresses of polynomial forms are linear in the constants, so that the fit
+//! is one linear least-squares problem, solved by singular values. The Ogden form has its own method
+//! ([`super::ogden_fit`]).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::context::Context;
 use super::families::MaterialReader;
-use super::types::{DeviatoricEnergy, HyperelasticLaw};
+use super::ogden_fit;
+use super::types::{DeviatoricEnergy, HyperelasticLaw, RubberMeasurement, RubberTest};
 use crate::deck::{Card, Diagnostic, Span};
-
-/// Kind of a test of rubber.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RubberTest {
-    Uniaxial,
-    Equibiaxial,
-    Planar,
-    Volumetric,
-}
 
 /// Cards of test data.
 const TESTS: [(&str, RubberTest); 4] = [
@@ -28,18 +21,25 @@ const TESTS: [(&str, RubberTest); 4] = [
     ("VOLUMETRIC TEST DATA", RubberTest::Volumetric),
 ];
 
+/// Form of a fitted strain energy.
+#[derive(Clone, Debug)]
+pub enum FittedForm {
+    /// Exponents of I1 - 3 and I2 - 3 of each constant.
+    Polynomial(Vec<(usize, usize)>),
+    /// Number of terms.
+    Ogden(usize),
+}
+
 /// A strain energy whose constants are fitted.
 #[derive(Clone, Debug)]
 pub struct RubberFit {
     /// Index of the material.
     pub material: usize,
-    /// Exponents of I1 - 3 and I2 - 3 of each constant.
-    pub exponents: Vec<(usize, usize)>,
+    pub form: FittedForm,
     /// Order of the volumetric part.
     pub order: usize,
     pub span: Span,
-    /// Measured values: nominal stress and stretch, or pressure and volume ratio.
-    pub data: Vec<(RubberTest, [f64; 2])>,
+    pub data: Vec<RubberMeasurement>,
 }
 
 /// Largest stretch of the test for stability, and number of steps.
@@ -58,7 +58,7 @@ pub fn read_test_data(context: &mut Context<'_>, materials: &mut MaterialReader,
     let offset = if test == RubberTest::Volumetric { 0.0 } else { 1.0 };
     // A row without stress has no relative error.
     let rows = rows.into_iter().filter(|row| row[0] != 0.0);
-    fit.data.extend(rows.map(|[stress, strain]| (test, [stress, offset + strain])));
+    fit.data.extend(rows.map(|[stress, strain]| RubberMeasurement { test, stress, stretch: offset + strain }));
 }
 
 /// Fits the constants of all materials with test data.
@@ -77,10 +77,16 @@ pub fn fit_rubber(context: &mut Context<'_>, materials: &mut MaterialReader) {
 }
 
 fn report_fit(context: &mut Context<'_>, fit: &RubberFit, law: &HyperelasticLaw, error: f64) {
-    let DeviatoricEnergy::Polynomial(terms) = &law.shape else { return };
-    let constants = terms.iter().map(|(c, i, j)| format!("C{i}{j} = {c:.6}"));
+    let mut constants: Vec<String> = match &law.shape {
+        DeviatoricEnergy::NeoHooke(c) => vec![format!("C10 = {c:.6}")],
+        DeviatoricEnergy::Polynomial(terms) => terms.iter().map(|(c, i, j)| format!("C{i}{j} = {c:.6}")).collect(),
+        DeviatoricEnergy::Ogden(terms) => {
+            let pair = |(i, [mu, alpha]): (usize, &[f64; 2])| format!("mu{0} = {mu:.6}, alpha{0} = {alpha:.6}", i + 1);
+            terms.iter().enumerate().map(pair).collect()
+        }
+    };
     let volumetric = law.compressibility.iter().enumerate().filter(|(_, d)| **d != 0.0);
-    let constants: Vec<String> = constants.chain(volumetric.map(|(i, d)| format!("D{} = {d:.6e}", i + 1))).collect();
+    constants.extend(volumetric.map(|(i, d)| format!("D{} = {d:.6e}", i + 1)));
     let message = format!(
         "fitted to {} measured values: {}; root mean square of the relative errors {:.1} %",
         fit.data.len(),
@@ -104,17 +110,28 @@ impl RubberFit {
     /// # Errors
     /// The reason if the data do not determine the constants.
     fn law(&self) -> Result<(HyperelasticLaw, f64), String> {
-        let (volumetric, deviatoric): (Vec<_>, Vec<_>) =
-            self.data.iter().copied().partition(|(test, _)| *test == RubberTest::Volumetric);
-        let rows = |&(test, [stress, stretch]): &(RubberTest, [f64; 2])| {
-            self.exponents.iter().map(|&e| term_stress(test, stretch, e) / stress).collect::<Vec<f64>>()
+        let (volumetric, deviatoric): (Vec<RubberMeasurement>, Vec<RubberMeasurement>) =
+            self.data.iter().copied().partition(|measured| measured.test == RubberTest::Volumetric);
+        let (shape, error) = match &self.form {
+            FittedForm::Polynomial(exponents) => {
+                let rows = |measured: &RubberMeasurement| {
+                    let stress =
+                        |&e: &(usize, usize)| term_stress(measured.test, measured.stretch, e) / measured.stress;
+                    exponents.iter().map(stress).collect::<Vec<f64>>()
+                };
+                let (constants, error) =
+                    relative_least_squares(&deviatoric.iter().map(rows).collect::<Vec<_>>(), exponents.len())?;
+                let terms = constants.iter().zip(exponents).map(|(c, &(i, j))| (*c, i, j)).collect();
+                (DeviatoricEnergy::Polynomial(terms), error)
+            }
+            FittedForm::Ogden(order) => {
+                let ogden_fit::OgdenFit { terms, error } = ogden_fit::fit(&deviatoric, *order)?;
+                (DeviatoricEnergy::Ogden(terms), error)
+            }
         };
-        let (constants, error) =
-            relative_least_squares(&deviatoric.iter().map(rows).collect::<Vec<_>>(), self.exponents.len())?;
-        let terms = constants.iter().zip(&self.exponents).map(|(c, &(i, j))| (*c, i, j)).collect();
         let mut compressibility = vec![0.0; self.order];
         if !volumetric.is_empty() {
-            let rows = |&(_, [pressure, ratio]): &(RubberTest, [f64; 2])| {
+            let rows = |&RubberMeasurement { stress: pressure, stretch: ratio, .. }: &RubberMeasurement| {
                 (1..=self.order as i32)
                     .map(|i| -2.0 * f64::from(i) * (ratio - 1.0).powi(2 * i - 1) / pressure)
                     .collect::<Vec<f64>>()
@@ -122,8 +139,7 @@ impl RubberFit {
             let (inverse, _) = relative_least_squares(&volumetric.iter().map(rows).collect::<Vec<_>>(), self.order)?;
             compressibility = inverse.iter().map(|inverse| if *inverse == 0.0 { 0.0 } else { 1.0 / inverse }).collect();
         }
-        let law = HyperelasticLaw { shape: DeviatoricEnergy::Polynomial(terms), compressibility, span: self.span };
-        Ok((law, error))
+        Ok((HyperelasticLaw { shape, compressibility, test_data: self.data.clone(), span: self.span }, error))
     }
 }
 
@@ -182,6 +198,27 @@ fn term_stress(test: RubberTest, stretch: f64, (i, j): (usize, usize)) -> f64 {
         + factors[1] * first.powi(i as i32) * derivative(second, j)
 }
 
+impl HyperelasticLaw {
+    /// Returns the nominal stress of a test of the incompressible material at a stretch, or the pressure at a volume ratio
+    /// (0 if the material has no compressibility of its own).
+    pub fn test_stress(&self, test: RubberTest, stretch: f64) -> f64 {
+        if test == RubberTest::Volumetric {
+            let inverse = self.compressibility.iter().map(|d| if *d == 0.0 { 0.0 } else { 1.0 / d });
+            let part = |(i, inverse): (i32, f64)| -2.0 * f64::from(i) * (stretch - 1.0).powi(2 * i - 1) * inverse;
+            return (1..).zip(inverse).map(part).sum();
+        }
+        match &self.shape {
+            DeviatoricEnergy::NeoHooke(c) => c * term_stress(test, stretch, (1, 0)),
+            DeviatoricEnergy::Polynomial(terms) => {
+                terms.iter().map(|&(c, i, j)| c * term_stress(test, stretch, (i, j))).sum()
+            }
+            DeviatoricEnergy::Ogden(terms) => {
+                terms.iter().map(|[mu, alpha]| mu * ogden_fit::term_stress(test, stretch, *alpha)[0]).sum()
+            }
+        }
+    }
+}
+
 /// Returns the tests in which the energy loses stability (Drucker) in the range of stretches, with the stretch: the
 /// energy as a function of two logarithmic strains is not convex there.
 fn unstable_stretches(law: &DeviatoricEnergy) -> Vec<(&'static str, f64)> {
@@ -198,7 +235,11 @@ fn unstable_stretches(law: &DeviatoricEnergy) -> Vec<(&'static str, f64)> {
 /// Returns whether the second derivatives of the energy by the logarithmic strains are positive definite.
 fn is_stable(law: &DeviatoricEnergy, [l1, l2]: [f64; 2]) -> bool {
     const STEP: f64 = 1e-4;
-    let DeviatoricEnergy::Polynomial(terms) = law else { return true };
+    let terms = match law {
+        DeviatoricEnergy::Polynomial(terms) => &terms[..],
+        DeviatoricEnergy::NeoHooke(c) => return *c > 0.0,
+        DeviatoricEnergy::Ogden(terms) => return is_stable_ogden(terms, [l1, l2]),
+    };
     let energy = |a: f64, b: f64| {
         let (x, y) = (l1.ln() + a * STEP, l2.ln() + b * STEP);
         let squares = [(2.0 * x).exp(), (2.0 * y).exp(), (-2.0 * (x + y)).exp()];
@@ -211,4 +252,12 @@ fn is_stable(law: &DeviatoricEnergy, [l1, l2]: [f64; 2]) -> bool {
         [energy(1.0, 0.0) + energy(-1.0, 0.0), energy(0.0, 1.0) + energy(0.0, -1.0)].map(|sum| sum - 2.0 * middle);
     let xy = 0.25 * (energy(1.0, 1.0) - energy(1.0, -1.0) - energy(-1.0, 1.0) + energy(-1.0, -1.0));
     xx + yy > 0.0 && xx * yy - xy * xy > 0.0
+}
+
+/// [`is_stable`] of the Ogden form, whose second derivatives are sums of powers of the stretches.
+fn is_stable_ogden(terms: &[[f64; 2]], [l1, l2]: [f64; 2]) -> bool {
+    let power = |stretch: f64| terms.iter().map(|[mu, alpha]| 2.0 * mu * stretch.powf(*alpha)).sum::<f64>();
+    let [first, second, third] = [power(l1), power(l2), power(1.0 / (l1 * l2))];
+    let [xx, yy] = [first + third, second + third];
+    xx + yy > 0.0 && xx * yy - third * third > 0.0
 }

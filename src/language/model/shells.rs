@@ -1,25 +1,67 @@
-//! Reads `*SHELL SECTION`: thickness, section points and the material of shells.
+//! Reads `*SHELL SECTION`: layers, section points and materials of shells.
 
 use super::context::Context;
 use super::families::SectionReader;
-use super::faults::{ValueCheck, ValueFault, require};
+use super::faults::{ValueCheck, ValueFault, require, require_line};
 use super::materials;
-use super::types::{ElementKind, ShellSection, ShellThinning};
+use super::types::{ElementKind, ShellLayer, ShellSection, ShellThinning};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
+/// Field of the material on a data line of `COMPOSITE`, and of the angle.
+const MATERIAL_FIELD: usize = 2;
+const ANGLE_FIELD: usize = 3;
+
 pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
-    let Some((elements, material)) = materials::section_of(context, sections, card, ElementKind::is_shell) else {
-        return;
-    };
-    let cards::ShellSection { per_area, thickness_points: [thickness, points] } = card.values();
-    let points = points as usize;
-    if !context.accepts(card, check_points(points)) {
-        return;
+    let values: cards::ShellSection = card.values();
+    let Some(mut layers) = layers(context, card, &values) else { return };
+    let Some(elements) = materials::elements_of_section(context, sections, card, ElementKind::is_shell) else { return };
+    if values.symmetric {
+        layers.extend_from_within(..);
+        let given = layers.len() / 2;
+        layers[given..].reverse();
     }
-    let Some(thinning) = thinning(context, card) else { return };
-    let span = card.span;
-    context.model.shell_sections.push(ShellSection { elements, material, thickness, points, per_area, thinning, span });
+    let (Some(offset), Some(thinning)) = (offset(context, card), thinning(context, card)) else { return };
+    let (per_area, span) = (values.per_area, card.span);
+    context.model.shell_sections.push(ShellSection { elements, layers, offset, per_area, thinning, span });
+}
+
+/// Returns the layers of a section; the only one without `COMPOSITE`.
+fn layers(context: &mut Context<'_>, card: &Card, values: &cards::ShellSection) -> Option<Vec<ShellLayer>> {
+    if values.symmetric && !values.composite {
+        return context.refuse_value(card.span, "SYMMETRIC requires COMPOSITE");
+    }
+    let mut layers = Vec::with_capacity(values.layers.len());
+    for (line, &[thickness, points]) in values.layers.iter().enumerate() {
+        let points = points as usize;
+        if !context.accepts(card, check_points(line, points)) {
+            return None;
+        }
+        let (word, angle) = if values.composite {
+            let fields = &card.lines[line];
+            (fields.field(MATERIAL_FIELD), context.number_or(fields, ANGLE_FIELD, 0.0)?)
+        } else {
+            (context.required(card, "MATERIAL"), 0.0)
+        };
+        let material = materials::material_named(context, word?)?;
+        layers.push(ShellLayer { material, thickness, points, angle });
+    }
+    let message = "MATERIAL and COMPOSITE exclude each other: a layer names its material on its data line";
+    let is_clear = !(values.composite && card.has("MATERIAL"));
+    (context.accepts(card, require(is_clear, message)) && !layers.is_empty()).then_some(layers)
+}
+
+/// Returns the distance from the middle surface to the nodes, over the thickness.
+fn offset(context: &mut Context<'_>, card: &Card) -> Option<f64> {
+    let Some(word) = card.value("OFFSET") else { return Some(0.0) };
+    if word.is("SPOS") {
+        return Some(0.5);
+    }
+    if word.is("SNEG") {
+        return Some(-0.5);
+    }
+    let offset = word.number(&mut context.diagnostics)?;
+    context.accepts_at(word.span, check_offset(offset)).then_some(offset)
 }
 
 /// Returns the thickness change of `POISSON`; the default of explicit analyses is MATERIAL.
@@ -35,9 +77,16 @@ fn thinning(context: &mut Context<'_>, card: &Card) -> Option<ShellThinning> {
     context.accepts_at(word.span, thinning.check()).then_some(thinning)
 }
 
-/// Checks the number of section points.
-pub fn check_points(points: usize) -> ValueCheck {
-    require(points % 2 == 1, format!("the number of Simpson points must be odd, found {points}"))
+/// Checks the number of section points of the layer on a data line.
+pub fn check_points(line: usize, points: usize) -> ValueCheck {
+    require_line(line, points % 2 == 1, format!("the number of Simpson points must be odd, found {points}"))
+}
+
+/// Checks the offset of the nodes.
+pub fn check_offset(offset: f64) -> ValueCheck {
+    let message = format!("OFFSET must be SPOS, SNEG or a number from -0.5 to 0.5, found {offset}");
+    let help = "OFFSET is a fraction of the thickness; for nodes outside of the shell use *MPC or a rigid body";
+    require(offset.abs() <= 0.5, message).map_err(|fault| ValueFault { help, ..fault })
 }
 
 impl ShellThinning {

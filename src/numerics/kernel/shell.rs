@@ -21,13 +21,10 @@ use super::lanes::InlineMap;
 use super::real::Real;
 use std::f64::consts::PI;
 
-use super::plane_stress::PlaneElastic;
+use super::section_stiffness::{RotaryRule, SectionStiffness};
 
 /// Strains, or stress resultants per length, in the order of the table above.
 pub type SectionComponents<T = f64> = [T; 5];
-
-/// Shear correction factor of a parabolic shear stress over the thickness.
-const SHEAR_SHARE: f64 = 5.0 / 6.0;
 
 /// Geometry of an element, or of the elements in a pack.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,8 +92,8 @@ impl<T: Real> ShellFrame<T> {
     /// operator of the five strains are real, so that the eighth root of the trace of its eighth power bounds the
     /// largest one. Equation (8.7).
     #[inline(always)]
-    pub fn frequency(&self, masses: &[T; 4], thickness: T, shear_stiffness: f64, elastic: &PlaneElastic) -> T {
-        let operator = self.operator(masses, thickness, shear_stiffness, elastic);
+    pub fn frequency(&self, masses: &[T; 4], thickness: T, stiffness: &SectionStiffness) -> T {
+        let operator = stiffness.times(self.area(), thickness, &self.compliance(masses));
         let scale = operator[0][0] + operator[1][1] + operator[2][2] + operator[3][3] + operator[4][4];
         let inverse = scale.like(1.0) / scale;
         let [a, b, c, d, e] = &operator;
@@ -112,15 +109,9 @@ impl<T: Real> ShellFrame<T> {
         (scale * eighth.root().root().root()).root()
     }
 
-    /// Returns the elasticity matrix times B M⁻¹ Bᵀ.
+    /// Returns B M⁻¹ Bᵀ.
     #[inline(always)]
-    fn operator(
-        &self,
-        m: &[T; 4],
-        thickness: T,
-        shear_stiffness: f64,
-        elastic: &PlaneElastic,
-    ) -> [SectionComponents<T>; 5] {
+    fn compliance(&self, m: &[T; 4]) -> [SectionComponents<T>; 5] {
         let (l, r, t_r, n_r) = (self.length, self.radius, self.t[0], -self.t[1]);
         let like = |value: f64| l.like(value);
         let (zero, half, quarter) = (like(0.0), like(0.5), like(0.25));
@@ -129,47 +120,33 @@ impl<T: Real> ShellFrame<T> {
         let (membrane, bending) = (half * t_r * difference / (l * r), half * t_r * twist / (l * r));
         let (by_hoop, by_bend, by_turn) =
             (half * n_r * difference / (l * r), half * twist / l, quarter * turns * t_r / r);
-        let compliance = [
+        [
             [sum / (l * l), membrane, zero, zero, zero],
             [membrane, quarter * sum / (r * r), zero, zero, by_hoop],
             [zero, zero, turns / (l * l), bending, by_bend],
             [zero, zero, bending, quarter * turns * t_r * t_r / (r * r), by_turn],
             [zero, by_hoop, by_bend, by_turn, sum / (l * l) + quarter * turns],
-        ];
-        let stretch = self.area() * like(elastic.modulus()) * thickness;
-        let bend = stretch * thickness * thickness / like(12.0);
-        let ratio = like(elastic.ratio);
-        let [s, h, k, c, q] = &compliance;
-        let shear = self.area() * like(shear_stiffness);
-        [
-            coupled(stretch, ratio, s, h),
-            coupled(stretch, ratio, h, s),
-            coupled(bend, ratio, k, c),
-            coupled(bend, ratio, c, k),
-            scaled(q, shear),
         ]
     }
 }
 
 impl ShellFrame {
-    /// Returns the lumped masses of both nodes, each for its half of the meridian, and their rotary inertias, from the
-    /// mass per area and the initial thickness. Equation (8.6).
+    /// Returns the lumped masses of both nodes, each for its half of the meridian, from the mass per area.
+    pub fn nodal_masses(&self, [a, b]: [f64; 2], per_area: f64) -> [f64; 2] {
+        let quarter = 0.25 * PI * self.length * per_area;
+        [quarter * (3.0 * a + b), quarter * (a + 3.0 * b)]
+    }
+
+    /// Returns the lumped masses of both nodes, and their rotary inertias. Equation (8.6).
     ///
     /// Rotary inertias are scaled with the initial geometry, so that the frequency of transverse shear is not above
     /// that of the membrane (ABAQUS Theory Guide 3.6.5, "Rotary inertia scaling for explicit dynamics"): with the
     /// modulus E' and a mass m and inertia J at each node, the squared shear frequency is K (4/l² + m/J) / (E' h)
     /// relative to 4/l² of the membrane.
-    pub fn masses(&self, [a, b]: [f64; 2], per_area: f64, thickness: f64, elastic: &PlaneElastic) -> [f64; 4] {
-        let quarter = 0.25 * PI * self.length * per_area;
-        let masses = [quarter * (3.0 * a + b), quarter * (a + 3.0 * b)];
-        let slack = elastic.modulus() * thickness / ShellFrame::shear_stiffness(thickness, elastic) - 1.0;
-        let arm = (thickness * thickness / 12.0).max(0.25 * self.length * self.length / slack);
+    pub fn masses(&self, radii: [f64; 2], per_area: f64, rotary: RotaryRule) -> [f64; 4] {
+        let masses = self.nodal_masses(radii, per_area);
+        let arm = rotary.least.max(0.25 * self.length * self.length / rotary.slack);
         [masses[0], masses[1], arm * masses[0], arm * masses[1]]
-    }
-
-    /// Returns the transverse shear force per length and shear angle: elastic, for the initial section.
-    pub fn shear_stiffness(thickness: f64, elastic: &PlaneElastic) -> f64 {
-        SHEAR_SHARE * elastic.shear() * thickness
     }
 }
 
@@ -198,7 +175,12 @@ fn product<T: Real>(row: SectionComponents<T>, a: &[SectionComponents<T>; 5], co
 
 /// Returns `factor (a + ratio b)`.
 #[inline(always)]
-fn coupled<T: Real>(factor: T, ratio: T, a: &SectionComponents<T>, b: &SectionComponents<T>) -> SectionComponents<T> {
+pub(super) fn coupled<T: Real>(
+    factor: T,
+    ratio: T,
+    a: &SectionComponents<T>,
+    b: &SectionComponents<T>,
+) -> SectionComponents<T> {
     [
         factor * (a[0] + ratio * b[0]),
         factor * (a[1] + ratio * b[1]),
@@ -210,7 +192,7 @@ fn coupled<T: Real>(factor: T, ratio: T, a: &SectionComponents<T>, b: &SectionCo
 
 /// Returns a row times a factor.
 #[inline(always)]
-fn scaled<T: Real>(a: &SectionComponents<T>, factor: T) -> SectionComponents<T> {
+pub(super) fn scaled<T: Real>(a: &SectionComponents<T>, factor: T) -> SectionComponents<T> {
     [a[0] * factor, a[1] * factor, a[2] * factor, a[3] * factor, a[4] * factor]
 }
 
@@ -233,6 +215,7 @@ mod tests {
 
     use super::{ShellFrame, simpson};
     use crate::kernel::plane_stress::PlaneElastic;
+    use crate::kernel::section_stiffness::SectionStiffness;
 
     const STEEL: PlaneElastic = PlaneElastic { young: 200e9, ratio: 0.3 };
 
@@ -268,8 +251,10 @@ mod tests {
             ([[0.001, 0.0], [0.002, 0.003]], 0.02),
         ] {
             let frame = ShellFrame::new(places);
-            let masses = frame.masses([places[0][0], places[1][0]], 7800.0 * thickness, thickness, &STEEL);
-            let shear = ShellFrame::shear_stiffness(thickness, &STEEL);
+            let stiffness = SectionStiffness::uniform(STEEL, thickness);
+            let rule = stiffness.rotary_rule(thickness, 0.0);
+            let masses = frame.masses([places[0][0], places[1][0]], 7800.0 * thickness, rule);
+            let shear = stiffness.shear();
             let unit = |i: usize| {
                 let mut motion = [[0.0; 3]; 2];
                 motion[i / 3][i % 3] = 1.0;
@@ -292,7 +277,7 @@ mod tests {
                 -force / (mass(i) * mass(j)).sqrt()
             });
             let largest = matrix.self_adjoint_eigenvalues(faer::Side::Lower).expect("eigenvalues")[5].sqrt();
-            let bound = frame.frequency(&masses, thickness, shear, &STEEL);
+            let bound = frame.frequency(&masses, thickness, &stiffness);
             assert!(bound >= largest * (1.0 - 1e-12) && bound < 1.06 * largest, "{bound} {largest}");
             // Rotations do not limit the time increment.
             let membrane = 2.0 / frame.length * (STEEL.modulus() / 7800.0).sqrt();

@@ -51,7 +51,7 @@ const NO_CONDUCTION: f64 = 1e-100;
 
 /// Returns whether a material of a deformable element has the property `which`.
 fn any(model: &Model, which: impl Fn(&MaterialDefinition) -> bool) -> bool {
-    super::super::settings::deforms(model) && model.material_regions().any(|(m, _)| which(&model.materials[m]))
+    super::super::settings::deforms(model) && model.layer_regions().any(|(m, _)| which(&model.materials[m]))
 }
 
 fn fails(material: &MaterialDefinition) -> bool {

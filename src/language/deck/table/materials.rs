@@ -12,7 +12,7 @@ card!(Density: "DENSITY", "Mass per volume", (once below "MATERIAL"), {
 }, rows: Vec<[f64; 2]> = [(rows ["density" (POSITIVE.required()), "temperature" (TEMPERATURE)])]);
 
 card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
-    kind: usize = "TYPE" (variant(&["ISOTROPIC", "SHEAR", "TRACTION", "COUPLED TRACTION"]).or(0.0)) "SHEAR: shear modulus for use with *EOS; TRACTION: uncoupled tractions of cohesive elements; COUPLED TRACTION: each traction depends on both separations",
+    kind: usize = "TYPE" (variant(&["ISOTROPIC", "SHEAR", "TRACTION", "COUPLED TRACTION", "LAMINA"]).or(0.0)) "SHEAR: shear modulus for use with *EOS; TRACTION: uncoupled tractions of cohesive elements; COUPLED TRACTION: each traction depends on both separations; LAMINA: orthotropic in the plane of shells",
     fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables",
     "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
     "COMPRESSION FACTOR" refused "elasticity is equal in tension and compression",
@@ -31,6 +31,15 @@ card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
         "Ent" inert "the faces do not move along the second shear direction, the hoop direction",
         "Est" inert "the faces do not move along the second shear direction, the hoop direction",
         "temperature" inert "the stiffness does not depend on temperature",
+    ]),
+    (when "TYPE" = "LAMINA" lines [
+        "E1" (POSITIVE.required()) "Young's modulus along direction 1 of the layer",
+        "E2" (POSITIVE.required()),
+        "nu12" (NUMBER.or(0.0)) "Poisson's ratio: strain along 2 over strain along 1 for stress along 1; its square must be less than E1/E2",
+        "G12" (POSITIVE.required()) "Shear modulus in the plane",
+        "G13" (POSITIVE.required()) "Transverse shear modulus of direction 1",
+        "G23" (POSITIVE.required()) "Transverse shear modulus of direction 2",
+        "temperature" inert "the moduli do not depend on temperature",
     ]),
     (when "TYPE" = "SHEAR" lines ["shear modulus" (POSITIVE.required()), "temperature" inert "the modulus does not depend on temperature"]),
     (when "DEPENDENCIES" rows [
@@ -91,7 +100,7 @@ card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL")
     "REDUCED POLYNOMIAL" (FLAG) "C10, C20, ..., then D1, ... up to order N",
     order: Option<usize> = "N" (INTEGER.from(1.0).to(6.0)) "Order of OGDEN, POLYNOMIAL or REDUCED POLYNOMIAL; default 1",
     "POISSON" refused "give D1",
-    "TEST DATA INPUT" (FLAG) "The constants are fitted to the test data cards that follow; not for OGDEN",
+    "TEST DATA INPUT" (FLAG) "The constants are fitted to the test data cards that follow",
     "BETA" refused "applies only to VAN DER WAALS",
     "PROPERTIES" refused "applies only to user-defined strain energies",
 } refused {
@@ -381,20 +390,31 @@ card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target mat
 
 card!(ShellSection: "SHELL SECTION", "Thickness and material of shell elements", (), {
     "ELSET" read "Elements",
-    "MATERIAL" read "Material",
+    "MATERIAL" read "Material; not with COMPOSITE",
+    composite: bool = "COMPOSITE" (FLAG) "The section has layers: one data line for each, from the side SNEG to the side SPOS",
+    symmetric: bool = "SYMMETRIC" (FLAG) "With COMPOSITE: the same layers follow in reverse order",
     per_area: f64 = "DENSITY" (NOT_NEGATIVE.or(0.0)) "Additional mass per area",
     "POISSON" read "Thickness change: MATERIAL (default), ELASTIC, or an effective Poisson's ratio; 0 keeps the thickness constant",
     "SECTION INTEGRATION" only ["SIMPSON"] "Simpson's rule is used through the thickness",
-    "OFFSET" only ["0", "0."] "nodes of shells are on the middle surface",
+    "OFFSET" read "Distance from the middle surface to the nodes along the normal, over the thickness: -0.5 to 0.5, SPOS (0.5) or SNEG (-0.5); default 0",
+    "LAYUP" inert "name of the layup, written by ABAQUS/CAE",
     "CONTROLS" inert "shell elements with one point have no hourglass modes",
-    "ORIENTATION" refused "anisotropic materials are unsupported",
+    "ORIENTATION" refused "give the angle from the meridian on the data lines of COMPOSITE",
     "TEMPERATURE" inert "initial temperatures of shells are uniform over the thickness",
     "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
 } refused {
-    "a section has one material": "COMPOSITE", "LAYUP", "SYMMETRIC";
     "give the thickness of the section on its data line": "NODAL THICKNESS", "SHELL THICKNESS";
     "applies only to continuum shells": "STACK DIRECTION", "THICKNESS MODULUS";
-}, thickness_points: [f64; 2] = [(lines ["thickness" (POSITIVE.required()), "points" (INTEGER.from(3.0).to(1001.0).or(5.0)) "Odd number of points of Simpson's rule through the thickness"])]);
+}, layers: Vec<[f64; 2]> = [
+    (when "COMPOSITE" rows [
+        "layer thickness" (POSITIVE.required()),
+        "points" (INTEGER.from(3.0).to(1001.0).or(3.0)) "Odd number of points of Simpson's rule through the layer",
+        "material" (TEXT.required()),
+        "angle" (NUMBER.or(0.0)) "Angle in degrees from the meridian to direction 1 of the layer, counter-clockwise about the normal",
+        "ply name" inert "has no effect",
+    ]),
+    (lines ["thickness" (POSITIVE.required()), "points" (INTEGER.from(3.0).to(1001.0).or(5.0)) "Odd number of points of Simpson's rule through the thickness"]),
+]);
 
 card!(CohesiveSection: "COHESIVE SECTION", "Material and constitutive thickness of cohesive elements", (), {
     "ELSET" read "Elements",

@@ -2,6 +2,7 @@
 
 use super::strength::StrengthCards;
 use crate::deck::Span;
+use crate::kernel::laminate::Lamina;
 pub use crate::kernel::traction_separation::{InterfaceSoftening, ModeDependence, ModeMixRatio};
 use crate::resistance::CavityShape;
 
@@ -21,6 +22,8 @@ pub struct MaterialDefinition {
     /// Rows of Young's modulus, Poisson's ratio, temperature and field variables, with the temperature varying fastest;
     /// all rows have the same length. Empty for constant moduli.
     pub elastic_table: Vec<Vec<f64>>,
+    /// Constants of a lamina (`*ELASTIC, TYPE=LAMINA`).
+    pub lamina: Option<Lamina>,
     /// Shear modulus of `*ELASTIC, TYPE=SHEAR`.
     pub shear_modulus: Option<f64>,
     /// Rubber elasticity (`*HYPERELASTIC`).
@@ -162,8 +165,34 @@ pub struct HyperelasticLaw {
     pub shape: DeviatoricEnergy,
     /// Coefficients D1, D2, ... of the volumetric strain energy; all zero if the card gives no compressibility.
     pub compressibility: Vec<f64>,
+    /// Measured values to which the constants are fitted (`TEST DATA INPUT`); empty for constants of the deck.
+    pub test_data: Vec<RubberMeasurement>,
     /// Source position of the keyword line.
     pub span: Span,
+}
+
+/// Kind of a test of rubber.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RubberTest {
+    /// Tension or compression along one direction.
+    Uniaxial,
+    /// Equal tension along two directions.
+    Equibiaxial,
+    /// Tension of a wide sheet, whose width does not change (pure shear).
+    Planar,
+    /// Compression in volume.
+    Volumetric,
+}
+
+/// A measured value of a test of rubber.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RubberMeasurement {
+    /// Kind of the test.
+    pub test: RubberTest,
+    /// Nominal stress, or pressure of a volumetric test.
+    pub stress: f64,
+    /// Stretch along the tension, or volume ratio of a volumetric test.
+    pub stretch: f64,
 }
 
 /// Deviatoric strain energy of rubber, with its constants.

@@ -16,23 +16,46 @@ pub struct SolidSection {
     pub span: Span,
 }
 
-/// Material, thickness and elements of a shell section (`*SHELL SECTION`).
+/// Layer of a shell section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShellLayer {
+    /// Material of the layer.
+    pub material: MaterialId,
+    /// Initial thickness, length.
+    pub thickness: f64,
+    /// Number of Simpson integration points through the layer, odd and at least 3.
+    pub points: usize,
+    /// Angle from the meridian to direction 1 of the layer, degrees.
+    pub angle: f64,
+}
+
+/// Layers and elements of a shell section (`*SHELL SECTION`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellSection {
     /// Indices of the elements of the section.
     pub elements: Vec<usize>,
-    /// Material of the section.
-    pub material: MaterialId,
-    /// Initial thickness of the shells, length.
-    pub thickness: f64,
-    /// Number of Simpson integration points through the thickness, odd and at least 3.
-    pub points: usize,
+    /// Layers from the side SNEG to the side SPOS, at least one.
+    pub layers: Vec<ShellLayer>,
+    /// Distance from the middle surface to the nodes along the normal, over the thickness (`OFFSET`), -0.5 to 0.5.
+    pub offset: f64,
     /// Additional mass per area (`DENSITY`).
     pub per_area: f64,
     /// Thickness change (`POISSON`).
     pub thinning: ShellThinning,
     /// Source position of the keyword line.
     pub span: Span,
+}
+
+impl ShellSection {
+    /// Returns the initial thickness of all layers together.
+    pub fn thickness(&self) -> f64 {
+        self.layers.iter().map(|layer| layer.thickness).sum()
+    }
+
+    /// Returns the distances from the nodes to the surfaces SNEG and SPOS in the initial configuration.
+    pub fn distances(&self) -> [f64; 2] {
+        [0.5 + self.offset, 0.5 - self.offset].map(|share| share * self.thickness())
+    }
 }
 
 /// Material, elements and constitutive thickness of a cohesive section (`*COHESIVE SECTION`).

@@ -5,8 +5,9 @@ use pulp::{Simd, WithSimd};
 
 use super::group::{ShellGroup, ShellState};
 use super::record::ShellRecord;
-use super::section::{ShellProperties, ThicknessRule};
+use super::section::{LayerProperties, ShellProperties, ThicknessPoint, ThicknessRule};
 use crate::element::constants::CHANGE;
+use crate::kernel::laminate::PointElasticity;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes};
 use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::plane_return::{PlaneReturns, PlaneTrial};
@@ -114,8 +115,9 @@ impl ShellBlockUpdate<'_> {
     #[inline(always)]
     fn update_points(&mut self, lanes: &mut ShellLanes) {
         let section = self.group.section.clone();
-        for (point, &[place, weight]) in section.points.iter().enumerate() {
-            let stress = self.update_point(&section, lanes, (point, [place, weight]));
+        for (index, &point) in section.points.iter().enumerate() {
+            let stress = self.update_point(&section, lanes, (index, point));
+            let ThicknessPoint { place, weight, .. } = point;
             for l in 0..LANES {
                 for axis in 0..2 {
                     lanes.integrals[axis][l] += weight * stress[axis][l];
@@ -131,7 +133,7 @@ impl ShellBlockUpdate<'_> {
         &mut self,
         section: &ShellProperties,
         lanes: &mut ShellLanes,
-        (point, [place, weight]): (usize, [f64; 2]),
+        (point, ThicknessPoint { place, weight, layer }): (usize, ThicknessPoint),
     ) -> [Lanes; 2] {
         let index = |element: usize| element * section.points.len() + point;
         let mut previous = [ZERO; 2];
@@ -149,11 +151,12 @@ impl ShellBlockUpdate<'_> {
                 strain[axis][l] = lanes.strains[axis][l] + height * lanes.strains[2 + axis][l];
             }
         }
-        let (returned, work) = self.return_point(section, (&previous, &strain), index);
+        let layer = &section.layers[layer];
+        let (returned, work) = self.return_point(layer, (&previous, &strain), index);
         let mut thinning = ZERO;
         for l in 0..LANES {
             let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - previous[axis][l]);
-            thinning[l] = section.elastic.thinning(change) - (returned.plastic[0][l] + returned.plastic[1][l]);
+            thinning[l] = layer.elasticity.thinning(change) - (returned.plastic[0][l] + returned.plastic[1][l]);
             lanes.thinning[l] += weight * thinning[l];
             lanes.plastic[l] += weight * work[l];
         }
@@ -176,16 +179,12 @@ impl ShellBlockUpdate<'_> {
     #[inline(always)]
     fn return_point(
         &mut self,
-        section: &ShellProperties,
+        layer: &LayerProperties,
         (before, strain): (&[Lanes; 2], &[Lanes; 2]),
         index: impl Fn(usize) -> usize,
     ) -> (PlaneReturns, Lanes) {
-        let mut trial = [ZERO; 2];
-        for l in 0..LANES {
-            let after = section.elastic.trial([before[0][l], before[1][l]], [strain[0][l], strain[1][l]]);
-            (trial[0][l], trial[1][l]) = (after[0], after[1]);
-        }
-        let Some(flowing) = &section.flowing else {
+        let trial = trial_stress(&layer.elasticity, before, strain);
+        let (Some(flowing), PointElasticity::Isotropic(elastic)) = (&layer.flowing, &layer.elasticity) else {
             return (PlaneReturns { stress: trial, flow: ZERO, plastic: [ZERO; 2] }, ZERO);
         };
         let (mut plastic, mut temperature) = (ZERO, ZERO);
@@ -194,7 +193,7 @@ impl ShellBlockUpdate<'_> {
             (plastic[l], temperature[l]) = (state.strain, state.temperature);
         }
         let trial_state = PlaneTrial { stress: &trial, strain: &plastic, temperature: &temperature, dt: self.dt };
-        let returned = section.elastic.returned_lanes(&flowing.law, trial_state, self.count());
+        let returned = elastic.returned_lanes(&flowing.law, trial_state, self.count());
         let mut work = ZERO;
         for l in 0..LANES {
             let half = |axis: usize| 0.5 * (before[axis][l] + returned.stress[axis][l]) * returned.plastic[axis][l];
@@ -242,6 +241,27 @@ impl ShellBlockUpdate<'_> {
     }
 }
 
+/// Returns the elastic trial stress of all lanes after a strain increment.
+#[inline(always)]
+fn trial_stress(elasticity: &PointElasticity, before: &[Lanes; 2], strain: &[Lanes; 2]) -> [Lanes; 2] {
+    let mut trial = [ZERO; 2];
+    match elasticity {
+        PointElasticity::Isotropic(elastic) => {
+            for l in 0..LANES {
+                let after = elastic.trial([before[0][l], before[1][l]], [strain[0][l], strain[1][l]]);
+                (trial[0][l], trial[1][l]) = (after[0], after[1]);
+            }
+        }
+        PointElasticity::Orthotropic(plane) => {
+            for l in 0..LANES {
+                let after = plane.trial([before[0][l], before[1][l]], [strain[0][l], strain[1][l]]);
+                (trial[0][l], trial[1][l]) = (after[0], after[1]);
+            }
+        }
+    }
+    trial
+}
+
 impl ShellLanes {
     #[inline(always)]
     fn places<S: Simd>(&self, at: PackPosition<S>) -> [[Pack<S>; 2]; 2] {
@@ -275,7 +295,7 @@ impl ShellLanes {
             if let ThicknessRule::Ratio(ratio) = section.thinning {
                 self.thinning[l] = -ratio / (1.0 - ratio) * (self.strains[0][l] + self.strains[1][l]);
             }
-            self.shear[l] += section.shear_stiffness() * self.strains[4][l];
+            self.shear[l] += section.stiffness.shear() * self.strains[4][l];
             // Plastic work is per thickness before the change.
             self.plastic[l] *= self.thickness[l];
         }

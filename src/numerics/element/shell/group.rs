@@ -11,12 +11,12 @@ use pulp::Arch;
 
 use super::block::ShellBlockUpdate;
 use super::record::{PointStrains, ShellRecord};
-use super::section::ShellProperties;
+use super::section::{ShellProperties, ThicknessPoint};
 use crate::element::block::is_larger;
 use crate::element::criteria::DeletionFilter;
 use crate::element::group::{ElementGroup, ElementPass, GroupProperties, GroupSetting, GroupTotals};
+use crate::kernel::laminate::in_layer;
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{SectionComponents, ShellFrame};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::PointValue;
@@ -101,14 +101,14 @@ impl ShellGroup {
         let frames: Vec<ShellFrame> = ends.iter().map(|e| frame(e, nodes)).collect();
         let masses = |(ends, frame): (&[u32; 4], &ShellFrame)| {
             let radii = [ends[0], ends[1]].inline_map(|n| nodes[n as usize].r);
-            frame.masses(radii, section.per_area, section.thickness, &section.elastic)
+            frame.masses(radii, section.per_area, section.rotary)
         };
         let points = ends.len() * section.points.len();
         ShellGroup {
             masses: ends.iter().zip(&frames).map(masses).collect(),
             state: vec![ShellState { thickness: section.thickness, ..ShellState::default() }; ends.len()],
             stress: vec![[0.0; 2]; points],
-            flow: if section.flowing.is_some() { vec![ShellPointState::default(); points] } else { Vec::new() },
+            flow: if section.flows() { vec![ShellPointState::default(); points] } else { Vec::new() },
             section: Arc::new(section),
             arch: Arch::new(),
             ends,
@@ -135,13 +135,29 @@ impl ShellGroup {
         element * count + point
     }
 
+    /// Returns a component 11, 22, 33 or 12 of the stress at a section point in the directions of its layer.
+    fn stress_in_layer(&self, point: usize, component: usize) -> f64 {
+        let layer = &self.section.layers[self.section.points[point % self.section.points.len()].layer];
+        let [along, hoop] = self.stress[point];
+        let [first, second, shear] = in_layer(layer.angle, [along, hoop, layer.elasticity.shear_stress([along, hoop])]);
+        [first, second, 0.0, shear].get(component).copied().unwrap_or(0.0)
+    }
+
+    /// Returns a component 11, 22, 33 or 12 (engineering shear) of a strain along meridian, hoop and thickness in the
+    /// directions of the layer of a section point.
+    fn strain_in_layer(&self, point: usize, [along, hoop, thinning]: [f64; 3], component: usize) -> f64 {
+        let layer = &self.section.layers[self.section.points[point % self.section.points.len()].layer];
+        let [first, second, shear] = in_layer(layer.angle, [along, hoop, 0.0]);
+        [first, second, thinning, 2.0 * shear].get(component).copied().unwrap_or(0.0)
+    }
+
     /// Returns forces and moments of the stress per length.
     fn resultants(&self, element: usize) -> SectionComponents {
         let ShellState { thickness, shear, .. } = self.state[element];
         let count = self.section.points.len();
         let points = self.section.points.iter().zip(&self.stress[element * count..]);
         let mut sums = [0.0, 0.0, 0.0, 0.0, shear];
-        for ([place, weight], stress) in points {
+        for (ThicknessPoint { place, weight, .. }, stress) in points {
             let (share, height) = (weight * thickness, 0.5 * place * thickness);
             for (i, stress) in stress.iter().enumerate() {
                 sums[i] += share * stress;
@@ -212,10 +228,10 @@ impl ElementGroup for ShellGroup {
         if let Some((variable, side)) = place(part.variable) {
             let point = self.point(element, side);
             let strain = |of: fn(&PointStrains) -> [f64; 3]| {
-                Some(of(self.record.as_ref()?.points.get(point)?).get(component).copied().unwrap_or(0.0))
+                Some(self.strain_in_layer(point, of(self.record.as_ref()?.points.get(point)?), component))
             };
             return match variable {
-                Variable::Stress => Some(self.stress[point].get(component).copied().unwrap_or(0.0)),
+                Variable::Stress => Some(self.stress_in_layer(point, component)),
                 Variable::PlasticStrain => Some(self.flow.get(point)?.strain),
                 Variable::Temperature => Some(self.flow.get(point)?.temperature),
                 Variable::LogarithmicStrain => strain(|p| p.total),
@@ -264,11 +280,8 @@ impl ElementGroup for ShellGroup {
     }
 
     fn available_energy(&self, element: usize, nodes: &[Node]) -> AvailableEnergy {
-        let PlaneElastic { young, ratio } = self.section.elastic;
         let points = self.section.points.iter().zip(&self.stress[element * self.section.points.len()..]);
-        let per_area = points.map(|([_, weight], [along, hoop])| {
-            0.5 * weight * (along * along + hoop * hoop - 2.0 * ratio * along * hoop) / young
-        });
+        let per_area = points.map(|(p, stress)| p.weight * self.section.layers[p.layer].elasticity.energy(*stress));
         let volume = self.frame(element, nodes).area() * self.state[element].thickness;
         AvailableEnergy::initial(volume * per_area.sum::<f64>())
     }
@@ -292,7 +305,8 @@ impl ElementGroup for ShellGroup {
     }
 
     fn bytes(&self) -> usize {
-        let section = size_of_val(&*self.section) + size_of_val(&*self.section.points);
+        let lists = size_of_val(&*self.section.points) + size_of_val(&*self.section.layers);
+        let section = size_of_val(&*self.section) + lists;
         let elements = size_of_val(&*self.ends) + size_of_val(&*self.masses) + size_of_val(&*self.state);
         let record = self.record.as_ref().map_or(0, |r| size_of_val(&**r) + r.bytes());
         section + elements + size_of_val(&*self.stress) + size_of_val(&*self.flow) + record + self.deleted.capacity()

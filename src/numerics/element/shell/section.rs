@@ -1,13 +1,13 @@
-//! Properties that all shells of a group share: initial thickness, integration points, elasticity, plasticity,
-//! viscosity.
+//! Properties that all shells of a group share: initial thickness, layers, integration points, stiffness, viscosity.
 
 use crate::element::constants::damped;
 use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::hardening::FlowStress;
 use crate::kernel::heating::PlasticHeating;
+use crate::kernel::laminate::PointElasticity;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::real::Real;
+use crate::kernel::section_stiffness::{RotaryRule, SectionStiffness};
 use crate::kernel::shell::ShellFrame;
 
 /// Rule for the thickness change from the membrane strains (`POISSON` of `*SHELL SECTION`).
@@ -26,17 +26,37 @@ pub struct SectionPlasticity {
     pub heating: PlasticHeating,
 }
 
+/// Material of a layer of a section.
+pub struct LayerProperties {
+    pub elasticity: PointElasticity,
+    /// Plasticity, of isotropic layers only; `None` for an elastic layer.
+    pub flowing: Option<SectionPlasticity>,
+    /// Angle from the meridian to direction 1 of the layer, degrees. Output is in the directions of the layer.
+    pub angle: f64,
+}
+
+/// Integration point of a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThicknessPoint {
+    /// Height over the reference surface, relative to half the thickness.
+    pub place: f64,
+    /// Weight; the weights of all points have the sum 1.
+    pub weight: f64,
+    /// Index of the layer.
+    pub layer: usize,
+}
+
 /// Properties of a shell section.
 pub struct ShellProperties {
-    pub elastic: PlaneElastic,
+    pub layers: Vec<LayerProperties>,
+    pub stiffness: SectionStiffness,
+    pub rotary: RotaryRule,
     /// Initial thickness, length.
     pub thickness: f64,
     /// Initial mass per area.
     pub per_area: f64,
-    /// Position (-1 to 1) and weight of the points through the thickness.
-    pub points: Vec<[f64; 2]>,
-    /// Plasticity; `None` for an elastic section.
-    pub flowing: Option<SectionPlasticity>,
+    /// Integration points, from the side SNEG to the side SPOS.
+    pub points: Vec<ThicknessPoint>,
     pub thinning: ThicknessRule,
     /// Bulk viscosity.
     pub bulk_viscosity: BulkViscosity,
@@ -48,28 +68,28 @@ impl ShellProperties {
     ///
     /// A fraction ξ of critical damping reduces the increment to 2/ω (sqrt(1 + ξ²) - ξ) (ABAQUS Theory Guide 2.4.5).
     /// Viscosity acts on the sum of both membrane strains: relative to elasticity at most 2/(1 + ν) times as much as on
-    /// one strain.
+    /// one strain ([`SectionStiffness::viscous_divisor`]).
     #[inline(always)]
     pub fn rate<T: Real>(&self, frame: &ShellFrame<T>, masses: &[T; 4], thickness: T, area_rate: T) -> T {
         let like = |value: f64| thickness.like(value);
-        let frequency = frame.frequency(masses, thickness, self.shear_stiffness(), &self.elastic);
+        let frequency = frame.frequency(masses, thickness, &self.stiffness);
         let speed = self.wave_speed(frame, masses, thickness);
         let BulkViscosity { linear, quadratic, .. } = self.bulk_viscosity;
         let closing = area_rate.if_less(like(0.0), -area_rate, like(0.0)) * frame.length / speed;
-        let viscosity = (like(linear) + like(quadratic * quadratic) * closing) / like(1.0 + self.elastic.ratio);
+        let viscosity = (like(linear) + like(quadratic * quadratic) * closing) / like(self.stiffness.viscous_divisor());
         let xi = viscosity * frame.length * frequency / speed;
         like(0.5) * frequency * damped(xi)
     }
 
-    /// Returns the transverse shear force per length and shear angle.
-    pub fn shear_stiffness(&self) -> f64 {
-        ShellFrame::shear_stiffness(self.thickness, &self.elastic)
+    /// Returns whether a layer has plasticity.
+    pub fn flows(&self) -> bool {
+        self.layers.iter().any(|layer| layer.flowing.is_some())
     }
 
     /// Returns the wave speed in the plane of the shell.
     #[inline(always)]
     pub fn wave_speed<T: Real>(&self, frame: &ShellFrame<T>, masses: &[T; 4], thickness: T) -> T {
-        (thickness.like(self.elastic.modulus()) * frame.area() * thickness / (masses[0] + masses[1])).root()
+        (thickness.like(self.stiffness.modulus()) * frame.area() * thickness / (masses[0] + masses[1])).root()
     }
 
     /// Returns the slow parts of the rates of area and curvature after an increment `dt`.

@@ -32,10 +32,7 @@ struct Finding {
 
 /// Warns of implausible materials, controls and elements of deformable bodies.
 pub fn check_values(model: &Model, report: &mut Report) {
-    let solids = model.sections.iter().map(|s| s.material.index());
-    let shells = model.shell_sections.iter().map(|s| s.material.index());
-    let cohesive = model.cohesive_sections.iter().map(|s| s.material.index());
-    let mut used: Vec<usize> = solids.chain(shells).chain(cohesive).collect();
+    let mut used: Vec<usize> = model.layer_regions().map(|region| region.0.index()).collect();
     used.sort_unstable();
     used.dedup();
     for material in used.into_iter().filter_map(|m| model.materials.get(m)) {

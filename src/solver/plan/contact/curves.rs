@@ -8,7 +8,9 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
-use crate::model::{AnalyticalFront, ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
+use crate::model::{
+    AnalyticalFront, ElementSide, GeneralContact, Mesh, Model, ShellSection, SideSelection, SurfaceContact,
+};
 use crate::plan::meshes::pieces::pieces;
 use crate::plan::solids::user_material::deletes;
 use crate::plan::{Report, StepInput};
@@ -130,7 +132,8 @@ pub fn add_curve(
     if let Some(&known) = geometry.by_name.get(&key) {
         return Some(known);
     }
-    let (mut facets, mut facet_elements, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut facets, mut lifts) = (Vec::new(), Vec::new());
+    let (mut facet_elements, mut left_out) = (Vec::new(), Vec::new());
     for &(element, side) in &sides.faces {
         let Some(mut ends) = scene.model.mesh.side_nodes(element, side) else { continue };
         // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
@@ -150,12 +153,14 @@ pub fn add_curve(
                 return report.refuse(finding.at(contact.span, "this pair"));
             }
         };
-        facets.push((facet, element));
         facet_elements.push((element, ends));
+        // Facets on the axis are inside a body.
+        if facet.iter().any(|&p| geometry.places[p as usize][0] != 0.0) {
+            facets.push((facet, element));
+            lifts.push(if contact.no_thickness { 0.0 } else { distance_to_surface(scene.model, element, side) });
+        }
     }
     warn_of_left_out(scene.model, contact, &sides.name, &left_out, report);
-    // Facets on the axis are inside a body.
-    facets.retain(|(f, _)| f.iter().any(|&p| geometry.places[p as usize][0] != 0.0));
     facet_elements.retain(|(_, ends)| ends.iter().any(|&n| scene.model.mesh.points[n][0] != 0.0));
     if facets.is_empty() {
         let message = format!("surface `{}` has no facets off the axis", sides.name);
@@ -165,11 +170,10 @@ pub fn add_curve(
     if deletes(scene) {
         hidden_facets(context, geometry, &mut facets);
     }
-    let lift =
-        facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * thickness_of(scene.model, f.1) }).collect();
-    let curve = geometry.add_curve(&facets, lift, exposed_count, (context.skin, &shells_of(scene.model, sides)));
+    lifts.resize(facets.len(), 0.0);
+    let curve = geometry.add_curve(&facets, lifts, exposed_count, (context.skin, &shells_of(scene.model, sides)));
     geometry.curves[curve].is_side_of_line =
-        contact.general && thickness_of(scene.model, facets[0].1) == 0.0 && has_both_sides(sides, context.pairs);
+        contact.general && shell_section(scene.model, facets[0].1).is_none() && has_both_sides(sides, context.pairs);
     geometry.facet_elements.push(facet_elements);
     geometry.by_name.insert(key, curve);
     Some(curve)
@@ -216,10 +220,15 @@ fn hidden_facets(context: &CurveContext, geometry: &mut ContactGeometry, facets:
     }
 }
 
-/// Returns the initial thickness of a shell element; 0 for other elements.
-fn thickness_of(model: &Model, element: usize) -> f64 {
-    let section = model.shell_sections.iter().find(|s| s.elements.contains(&element));
-    section.map_or(0.0, |s| s.thickness)
+/// Returns the shell section of an element.
+fn shell_section(model: &Model, element: usize) -> Option<&ShellSection> {
+    model.shell_sections.iter().find(|section| section.elements.contains(&element))
+}
+
+/// Returns the initial distance from the nodes of a shell element to its surface on a side; 0 for other elements.
+fn distance_to_surface(model: &Model, element: usize, side: ElementSide) -> f64 {
+    let distances = shell_section(model, element).map_or([0.0; 2], ShellSection::distances);
+    distances[usize::from(side == ElementSide::Positive)]
 }
 
 pub fn point_of(node: usize, context: &CurveContext, geometry: &mut ContactGeometry) -> Result<u32, PointRefusal> {

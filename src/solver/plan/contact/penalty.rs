@@ -6,7 +6,7 @@ use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
-use crate::model::{Element, ElementSide, MaterialId, Model, SurfaceContact};
+use crate::model::{Element, ElementSide, MaterialId, Model, ShellLayer, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::{Report, Scene, StepInput};
 
@@ -25,7 +25,9 @@ pub fn facet_compliance(input: StepInput, element: usize, nodes: [usize; 2]) -> 
     let length = libm::hypot(dr, dz);
     if mesh_element.kind.is_shell() {
         let section = scene.model.shell_sections.iter().find(|s| s.elements.contains(&element))?;
-        return Some(section.thickness / longitudinal_modulus(scene.model, section.material, element)?);
+        let compliance =
+            |layer: &ShellLayer| Some(layer.thickness / longitudinal_modulus(scene.model, layer.material, element)?);
+        return section.layers.iter().map(compliance).sum();
     }
     let places = nodes.map(|n| scene.places.nodes.get(&n).copied());
     let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
@@ -53,13 +55,17 @@ pub fn modulus_of(model: &Model, element: usize) -> Option<f64> {
     longitudinal_modulus(model, model.sections.iter().find(|s| s.elements.contains(&element))?.material, element)
 }
 
-/// Returns the longitudinal modulus of a material at the start: density times the square of the longitudinal wave speed.
+/// Returns the longitudinal modulus of a material at the start: density times the square of the longitudinal wave speed; of a
+/// lamina Young's modulus across the fibres.
 fn longitudinal_modulus(model: &Model, material: MaterialId, element: usize) -> Option<f64> {
     let material = &model.materials[material];
     let shear = material.shear_modulus.or(material.elastic.map(|[e, nu]| e / (2.0 * (1.0 + nu)))).unwrap_or(0.0);
     if material.eos.is_some() {
         let temperature = initial_temperature(model, element).map(|t| t - model.settings.absolute_zero);
         return Some(material.bulk_modulus(temperature)? + 4.0 / 3.0 * shear);
+    }
+    if let Some(lamina) = material.lamina {
+        return Some(lamina.young[1]);
     }
     material.elastic.map(|[e, nu]| e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)))
 }

@@ -133,7 +133,9 @@ pub fn has_prescribed_temperature(model: &Model, elements: &[usize]) -> bool {
 
 /// Refuses prescribed temperatures of shells that would expand.
 fn refuse_warm_shells(model: &Model, at: Span, report: &mut Report) {
-    let expands = |section: &&ShellSection| model.materials[section.material].thermal.expansion.is_some();
+    let expands = |section: &&ShellSection| {
+        section.layers.iter().any(|layer| model.materials[layer.material].thermal.expansion.is_some())
+    };
     let mut expanding = model.shell_sections.iter().filter(expands);
     if let Some(section) = expanding.find(|section| has_prescribed_temperature(model, &section.elements)) {
         let message = "*TEMPERATURE is not supported for shells with *EXPANSION: they have no thermal strain";

@@ -41,7 +41,7 @@ use crate::plan::meshes::numbering;
 use crate::plan::solids::averaging::dilation_averaging;
 use crate::plan::solids::cohesive::{cohesive_group, cohesive_sections};
 use crate::plan::solids::mass_scaling::{marked_nodes, nodes_of_links};
-use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
+use crate::plan::solids::shells::{ShellInput, free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::solid_group;
 use crate::plan::solids::user_material::calls_routines_at_points;
 use crate::plan::state::SolidState;
@@ -110,9 +110,8 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         groups.push(group);
     }
     for (section, elements) in &shells {
-        let material = &model.materials[section.material];
         let input =
-            GroupInput { model, places, section: *section, material, elements, connectivity: &(), nodes: &nodes };
+            ShellInput { scene: Scene { model, bodies: &*bodies, places: &*places }, section, elements, nodes: &nodes };
         let Some(group) = shell_group(&input, report) else { continue };
         add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "shells"), report));

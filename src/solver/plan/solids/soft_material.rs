@@ -17,7 +17,7 @@ use crate::plan::solids::solid_properties::{SolidProperties, rate_factor};
 const BULK_OVER_SHEAR: f64 = 20.0;
 
 pub fn rubber_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
-    let HyperelasticLaw { shape, compressibility, span } = solid.material.hyperelastic.as_ref()?;
+    let HyperelasticLaw { shape, compressibility, span, .. } = solid.material.hyperelastic.as_ref()?;
     let shear = shape.shear();
     let is_compressible = compressibility.first().is_some_and(|d1| *d1 > 0.0);
     let standard = vec![0.5 * BULK_OVER_SHEAR * shear];

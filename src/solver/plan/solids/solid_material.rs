@@ -196,6 +196,9 @@ pub fn elastic_moduli(material: &MaterialDefinition, span: Span, report: &mut Re
         MaterialDefinition { interface, .. } if interface.elastic.is_some() => {
             format!("material `{}` has *ELASTIC, TYPE=TRACTION, which is for cohesive elements", material.name)
         }
+        MaterialDefinition { lamina: Some(_), .. } => {
+            format!("material `{}` has *ELASTIC, TYPE=LAMINA, which is for shells", material.name)
+        }
         _ => format!("material `{}` has no *ELASTIC", material.name),
     };
     report.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
