@@ -109,8 +109,7 @@ impl ConcretePath<'_> {
         let tension = 0.5 * (last_share + self.first_share.unwrap_or(last_share));
         let strain = |deviator: f64| half * flow * share * deviator + dilation / 3.0;
         let [smallest, _, largest] = self.deviator.inline_map(strain);
-        let strains =
-            [-(1.0 - tension) * smallest, tension * largest].inline_map(|x| if x > 0.0 { x } else { 0.0 });
+        let strains = [-(1.0 - tension) * smallest, tension * largest].inline_map(|x| if x > 0.0 { x } else { 0.0 });
         ConcreteState { pressure, share, principal, strains }
     }
 
@@ -159,11 +158,8 @@ impl ConcretePath<'_> {
         let rise = self.bulk * dilation;
         let fall = self.deviator[2] + rise;
         let largest = self.deviator[2] - self.trial.pressure;
-        let [factor, steep] = if largest > 0.0 {
-            [-1.0 - a, self.start_strengths[0] / self.start_strengths[1]]
-        } else {
-            [c, 0.0]
-        };
+        let [factor, steep] =
+            if largest > 0.0 { [-1.0 - a, self.start_strengths[0] / self.start_strengths[1]] } else { [c, 0.0] };
         // Rates of the equivalent plastic strains over the flow, and hardening.
         let share = tension_share(self.deviator.inline_map(|value| value - self.trial.pressure));
         let strain = |deviator: f64| 0.5 * self.per_shear * deviator + dilation / 3.0;

@@ -73,11 +73,8 @@ impl Invariants {
     /// Returns the invariants that a shape of the yield surface needs.
     fn of(pressure: f64, deviator: [f64; 4], shape: DruckerPragerShape) -> Invariants {
         let mises = mises(deviator);
-        let third = if shape.is_round() || mises == 0.0 {
-            0.0
-        } else {
-            13.5 * determinant(deviator) / (mises * mises * mises)
-        };
+        let third =
+            if shape.is_round() || mises == 0.0 { 0.0 } else { 13.5 * determinant(deviator) / (mises * mises * mises) };
         Invariants { pressure, mises, third }
     }
 
@@ -323,9 +320,7 @@ impl<'a> ReturnIncrement<'a> {
         match &self.law.rate {
             None if yield_stress == self.hardening.value => self.strength_before,
             None => self.law.shape.strength(self.law.test, yield_stress),
-            Some(rate) => {
-                self.law.shape.strength(self.law.test, rate.at(hardening * self.per_dt, 0.0) * yield_stress)
-            }
+            Some(rate) => self.law.shape.strength(self.law.test, rate.at(hardening * self.per_dt, 0.0) * yield_stress),
         }
     }
 

@@ -58,7 +58,7 @@ pub struct ReturnPoint<'a> {
     pub angle: f64,
     /// Length of the increment.
     pub dt: f64,
-    /// Characteristic length: the square root of the initial section area of the element.
+    /// Characteristic length of the element, from its initial section area ([`super::characteristic_length`]).
     pub length: f64,
     /// State of the point; the law updates it.
     pub state: &'a mut [f64],

@@ -23,7 +23,7 @@ pub mod spall;
 use super::carried::CarriedState;
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, put_column};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn, put_column};
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
 use crate::state::archive::Persist;
@@ -63,7 +63,7 @@ impl Material for ReturnMaterial {
 
     fn initial_state(&self, start: &BlockStart) -> ReturnState {
         let states = self.law.initial_state().into_iter().map(|value| [value; LANES]).collect();
-        let length = start.area.inline_map(f64::sqrt);
+        let length = inline_from_fn(|l| characteristic_length(start.area[l], start.corners[l]));
         ReturnState { states, angle: [0.0; LANES], active: [1.0; LANES], length, volume: start.volume }
     }
 
@@ -119,6 +119,14 @@ impl Material for ReturnMaterial {
     fn bytes(&self, state: &ReturnState) -> usize {
         size_of_val(&*state.states)
     }
+}
+
+/// Returns the length of a line across an element in the (r, z) plane, from its area and its corners (their r, their z): the
+/// width of a band of cracked elements. It is the side of the square, and of the square of two triangles, with the area
+/// (Rots 1988, "Computational modeling of concrete fracture", thesis, TU Delft). Triangles repeat their last corner.
+pub fn characteristic_length(area: f64, corners: [[f64; 4]; 2]) -> f64 {
+    let is_triangle = corners.iter().all(|coordinate| coordinate[2] == coordinate[3]);
+    if is_triangle { (2.0 * area).sqrt() } else { area.sqrt() }
 }
 
 /// Largest number of states of a law.

@@ -125,11 +125,8 @@ impl PorousMetal {
             let Flowed { mises, mean, yield_stress, effective: [effective, growth], cosh, sinh, .. } = now;
             // Partial derivatives: of the yield stress and f* by the work on the matrix, ...
             let solid = 1.0 - now.voids;
-            let slope = if gained > 0.0 {
-                (yield_stress - before.hardening.value) / gained
-            } else {
-                before.hardening.slope
-            };
+            let slope =
+                if gained > 0.0 { (yield_stress - before.hardening.value) / gained } else { before.hardening.slope };
             let yield_by_work = slope / (solid * yield_stress);
             let voids_by_work = growth * now.nucleation / (solid * yield_stress);
             // of the yield function and the flow rule by these two, ...
