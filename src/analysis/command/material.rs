@@ -37,7 +37,7 @@ pub struct MaterialCommand {
     /// Neglect heating by plastic work (default: as in the steps of the deck).
     #[arg(long)]
     isothermal: bool,
-    /// Element length for damage evolution (default: mean length of the elements of the material).
+    /// Element length for damage evolution and cracks of concrete (default: mean length of the elements of the material).
     #[arg(long, value_name = "LENGTH")]
     length: Option<f64>,
     /// Write the picture of one material also to this file, .png or .svg.
@@ -140,7 +140,7 @@ impl MaterialCommand {
         };
         let length = self.length.or_else(|| material::element_length(model, id)).unwrap_or(1.0);
         if material::takes_length(&model.materials[id]) && !self.output.is_silent() {
-            print_out!("{}: damage evolution with the element length {length}", model.materials[id].name);
+            print_out!("{}: damage with the element length {length}", model.materials[id].name);
         }
         TensionRequest {
             rates: self.rates.clone(),

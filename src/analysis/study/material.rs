@@ -50,7 +50,7 @@ pub struct TensionRequest {
     pub strain: f64,
     /// Whether plastic work heats the material.
     pub adiabatic: bool,
-    /// Characteristic element length for damage evolution.
+    /// Characteristic element length for damage evolution and cracks of concrete.
     pub length: f64,
 }
 
@@ -175,9 +175,9 @@ pub fn element_length(model: &Model, material: MaterialId) -> Option<f64> {
     (!lengths.is_empty()).then(|| lengths.iter().sum::<f64>() / lengths.len() as f64)
 }
 
-/// Returns whether the failure of a material depends on the element length.
+/// Returns whether the failure of a material, or the cracking of concrete, depends on the element length.
 pub fn takes_length(material: &MaterialDefinition) -> bool {
-    material.failures.iter().any(|criterion| criterion.takes_length())
+    material.strength.takes_length() || material.failures.iter().any(|criterion| criterion.takes_length())
 }
 
 fn elements_of(model: &Model, material: MaterialId) -> impl Iterator<Item = usize> {
@@ -260,7 +260,7 @@ impl TensionTest<'_> {
         Err(StudyError::Comparison(why))
     }
 
-    /// Prepares a deck of one element with the material. Lengths in damage evolution are scaled to the element size.
+    /// Prepares a deck of one element with the material. Lengths of damage and cracks are scaled to the element size.
     fn prepared(&self, text: &str, size: f64) -> Result<PreparedJob, StudyError> {
         let (deck, diagnostics) = deck::read_text("tension.inp", text, &[]);
         let (mut model, mut findings) = model::build(&deck);
@@ -280,6 +280,7 @@ impl TensionTest<'_> {
                 DamageEvolution::Sudden | DamageEvolution::Absent | DamageEvolution::Strain(_, None) => {}
             }
         }
+        material.strength.scale_displacements(size / self.request.length);
         model.materials = vec![material];
         model.settings = self.source.settings.clone();
         let prepared = job::prepare_model(&model, self.routines);

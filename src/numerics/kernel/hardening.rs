@@ -47,6 +47,50 @@ impl LinearTable {
     }
 }
 
+/// Line of a [`LinearTable`] around an abscissa, so that values near it need no search.
+#[derive(Clone, Copy, Debug)]
+pub struct TableLine<'a> {
+    table: &'a LinearTable,
+    /// Abscissae between which the line holds, and the one at which the value is [`TableLine::value`].
+    range: [f64; 2],
+    from: f64,
+    /// Value at the abscissa for which the line was made.
+    pub value: f64,
+    /// Slope of the line.
+    pub slope: f64,
+}
+
+impl LinearTable {
+    /// Returns the line of the table to the right of an abscissa.
+    pub fn line(&self, from: f64) -> TableLine<'_> {
+        let next = self.rows.iter().position(|row| row[1] > from).unwrap_or(self.rows.len());
+        let end = self.rows.get(next).map_or(f64::INFINITY, |row| row[1]);
+        let (start, value, slope) = match (next.checked_sub(1).map(|i| self.rows[i]), self.rows.get(next)) {
+            (Some(a), Some(b)) => {
+                let slope = (b[0] - a[0]) / (b[1] - a[1]);
+                (a[1], a[0] + slope * (from - a[1]), slope)
+            }
+            (Some(row), None) => (row[1], row[0], 0.0),
+            (None, Some(row)) => (f64::NEG_INFINITY, row[0], 0.0),
+            (None, None) => (f64::NEG_INFINITY, 0.0, 0.0),
+        };
+        TableLine { table: self, range: [start, end], from, value, slope }
+    }
+}
+
+impl TableLine<'_> {
+    /// Returns the value of the table at any abscissa.
+    #[inline]
+    pub fn at(&self, abscissa: f64) -> f64 {
+        let [start, end] = self.range;
+        if abscissa >= start && abscissa <= end {
+            self.value + self.slope * (abscissa - self.from)
+        } else {
+            self.table.value(abscissa)
+        }
+    }
+}
+
 impl YieldStress for LinearTable {
     fn at(&self, strain: f64, _rate: f64, _temperature: f64) -> f64 {
         self.value(strain)

@@ -26,12 +26,12 @@ pub fn undamaged(stress: [f64; 4], [factor, of_mean]: [f64; 2]) -> [f64; 4] {
     [rr, zz, hoop, stress[3] / factor]
 }
 
-/// Returns the principal stresses, ascending: two in the plane of r and z, and the hoop stress.
+/// Returns the principal stresses, ascending: two in the plane of r and z, and the hoop stress. A NaN may be lost.
+#[inline]
 pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
     let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());
-    let mut values = [centre - radius, centre + radius, hoop];
-    values.sort_by(f64::total_cmp);
-    values
+    let (low, high) = (centre - radius, centre + radius);
+    [low.min(hoop), low.max(high.min(hoop)), high.max(hoop)]
 }
 
 /// Returns the Tresca stress: the largest difference of principal stresses.

@@ -3,11 +3,14 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
 use super::eos::{EosLine, LinearEos, UsUp, advance, advance_energy, specific_volume};
-use super::returns::root::nearby_root;
+use super::returns::root::{Start, nearby_root};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;
 use crate::material::volumetric::PressureUpdate;
 use crate::state::archive::Persist;
+
+/// Error of the distension.
+const ACCURACY: f64 = 1e-14;
 
 /// Steps of the integration of the elastic distension up to the pressure at which compaction begins.
 const STEPS: usize = 200;
@@ -110,6 +113,19 @@ impl PorousCompaction {
         if pressure > limit { self.crushed(pressure) } else { smallest + (pressure - limit) * slope }
     }
 
+    /// Returns the slope of the path at a pressure.
+    fn path_slope(&self, path: DistensionPath, pressure: f64) -> f64 {
+        let [begin, end] = self.pressures;
+        let left = ((end - pressure) / (end - begin)).max(0.0);
+        let crushing = -2.0 * (self.distensions[1] - 1.0) * left / (end - begin);
+        if pressure > path.meeting[0] { crushing } else { path.slope }
+    }
+
+    /// Returns the bulk modulus at a fixed distension, without the part of the energy.
+    fn stiffness(&self, specific_volume: f64, distension: f64) -> f64 {
+        self.line(specific_volume, distension).cold_slope / specific_volume
+    }
+
     /// Returns the pressure line of the porous material at a fixed distension. Equation (7.13).
     fn line(&self, specific_volume: f64, distension: f64) -> EosLine {
         let volume = specific_volume / distension;
@@ -117,19 +133,26 @@ impl PorousCompaction {
         EosLine { cold: cold / distension, per_energy: per_energy / distension, cold_slope, energy_slope }
     }
 
-    /// Returns the distension at which a pressure that depends on it is on the path; pressures decrease with it.
-    fn solve(&self, path: DistensionPath, current: f64, pressure: impl Fn(f64) -> f64) -> f64 {
+    /// Returns the distension at which a pressure that depends on it is on the path; `stiffness` is the bulk modulus of the
+    /// porous material at the current distension.
+    fn solve(&self, path: DistensionPath, current: f64, stiffness: f64, pressure: impl Fn(f64) -> f64) -> f64 {
         let excess = |distension: f64| distension - self.distension(path, pressure(distension));
         if path.slope == 0.0 && path.meeting[1] <= 1.0 {
             return 1.0;
         }
-        let value = excess(current);
+        let at_current = pressure(current);
+        let value = current - self.distension(path, at_current);
+        // A smaller distension lowers the pressure, at a given volume.
+        let slope = 1.0 - self.path_slope(path, at_current) * (stiffness - at_current) / current;
+        let guess = current - value / slope;
         // A NaN is kept, so that the run halts.
         if value >= 0.0 {
-            return nearby_root(current, value, 1.0, 1e-14, excess).unwrap_or(1.0);
+            let start = Start { start: current, first: value, guess };
+            return nearby_root(start, 1.0, ACCURACY, excess).unwrap_or(1.0);
         }
         let most = 1.0 + 2.0 * (self.distensions[0] - 1.0);
-        nearby_root(current, -value, most, 1e-14, |distension| -excess(distension)).unwrap_or(most)
+        let start = Start { start: current, first: -value, guess };
+        nearby_root(start, most, ACCURACY, |distension| -excess(distension)).unwrap_or(most)
     }
 
     /// Returns the pressure line on the elastic path, at a specific volume and energy: a constant.
@@ -139,7 +162,8 @@ impl PorousCompaction {
             let EosLine { cold, per_energy, .. } = self.line(volume, distension);
             cold + per_energy * energy
         };
-        let distension = self.solve(path, state.current[lane], pressure);
+        let current = state.current[lane];
+        let distension = self.solve(path, current, self.stiffness(volume, current), pressure);
         EosLine { cold: pressure(distension), per_energy: 0.0, cold_slope: 0.0, energy_slope: 0.0 }
     }
 
@@ -152,7 +176,8 @@ impl PorousCompaction {
                 let line = self.line(volume, distension);
                 line.cold + line.per_energy * advance_energy(update, l, line, energy[l], 0.0)
             };
-            let distension = self.solve(path, state.current[l], pressure);
+            let current = state.current[l];
+            let distension = self.solve(path, current, self.stiffness(volume, current), pressure);
             energy[l] = advance(update, l, self.line(volume, distension), energy[l], [0.0, self.solid.floor()]);
             let pressure = -update.mean[l];
             state.current[l] = distension;

@@ -11,7 +11,7 @@ const SHARE: ValueSpec = NOT_NEGATIVE.to(1.0);
 
 card!(DruckerPrager: "DRUCKER PRAGER", "Drucker-Prager plasticity: soil, rock, polymers", (once below "MATERIAL"), {
     form: usize = "SHEAR CRITERION" (variant(&["LINEAR", "HYPERBOLIC", "EXPONENT FORM"]).or(0.0)),
-    eccentricity: f64 = "ECCENTRICITY" (NOT_NEGATIVE.or(0.1)) "Rounding of the flow potential at its apex; not for LINEAR",
+    eccentricity: Option<f64> = "ECCENTRICITY" (NOT_NEGATIVE) "Rounding of the flow potential at its apex, 0.1 by default; no effect with LINEAR",
     "TEST DATA" refused "give the constants of the exponent form",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, row: [f64; 3] = [

@@ -19,6 +19,27 @@ impl DruckerPrager {
     }
 }
 
+impl StrengthCards {
+    /// Returns whether the stress depends on the length of the element.
+    pub fn takes_length(&self) -> bool {
+        self.tension_stiffening.as_ref().is_some_and(|(card, _)| card.kind > 0)
+    }
+
+    /// Multiplies displacements and energies per crack area by a factor: in an element whose length is larger by this factor,
+    /// strains and stresses remain the same.
+    pub fn scale_displacements(&mut self, factor: f64) {
+        if let Some((card, _)) = self.tension_stiffening.as_mut().filter(|(card, _)| card.kind > 0) {
+            card.rows.iter_mut().for_each(|row| row[1] *= factor);
+        }
+        if let Some((card, _)) = self.tension_damage.as_mut().filter(|(card, _)| card.by_displacement) {
+            card.rows.iter_mut().for_each(|row| row[1] *= factor);
+        }
+        if let Some((card, _)) = self.concrete_failure.as_mut().filter(|(card, _)| card.by_displacement) {
+            card.limits[0] *= factor;
+        }
+    }
+}
+
 /// Declares a field for each card, and the functions that visit them.
 macro_rules! strength_cards {
     ($($(#[$doc:meta])* $field:ident: $card:ident,)+) => {

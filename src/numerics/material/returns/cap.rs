@@ -1,8 +1,8 @@
 //! Modified Drucker-Prager/cap plasticity (ABAQUS Analysis User's Guide, "Modified Drucker-Prager/Cap model"), with the
 //! von Mises stress q as the measure of the deviator (K = 1).
 
-use super::law::{ReturnPoint, StressReturn, TrialStress};
-use super::root::bracketed_root;
+use super::law::{ReturnPoint, StressReturn};
+use super::root::{Start, nearby_root};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
@@ -44,45 +44,76 @@ struct CapPoint {
     slope: f64,
 }
 
+/// Constants of the yield surface.
+#[derive(Clone, Copy)]
+struct CapShape {
+    tangent: f64,
+    cohesion: f64,
+    eccentricity: f64,
+    /// Pressure pa at the top of the cap for the hydrostatic yield pressure pb: first part plus second part times pb.
+    /// Equation (20.11).
+    centre: [f64; 2],
+    alpha: f64,
+    /// Length of the arc of the transition along the pressure over its radius.
+    arc: f64,
+    /// Height of the centre of the arc over that of the failure line.
+    rise: f64,
+    /// m/R, and (m tan(beta))².
+    ratio: f64,
+    flow: f64,
+}
+
+impl CapShape {
+    /// Returns the point of the yield surface at a pressure and a yield pressure pb. Equation (20.12). The
+    /// region below the arc of the transition is elastic: the lower half of that circle is no part of the surface.
+    fn at(&self, pressure: f64, yield_pressure: f64) -> CapPoint {
+        let centre = self.centre[0] + self.centre[1] * yield_pressure;
+        let height = self.cohesion + centre * self.tangent; // c
+        let distance = pressure - centre;
+        if distance > 0.0 {
+            let axis = self.eccentricity * height;
+            let mises = self.ratio * (axis * axis - distance * distance).max(0.0).sqrt();
+            return CapPoint { surface: Surface::Cap, mises, slope: self.ratio * self.ratio * distance };
+        }
+        let slope = self.flow * distance;
+        if distance <= -self.arc * height {
+            let mises = (self.cohesion + pressure * self.tangent).max(0.0);
+            return CapPoint { surface: Surface::Failure, mises, slope };
+        }
+        let radius = self.alpha * height;
+        let rise = (radius * radius - distance * distance).max(0.0).sqrt();
+        CapPoint { surface: Surface::Transition, mises: self.rise * height + rise, slope }
+    }
+}
+
 /// States: equivalent plastic strain; that of each surface; plastic volume compaction since the start.
 const STRAIN: usize = 0;
 const SURFACES: usize = 1;
 const COMPACTION: usize = 4;
 
 impl CapPlasticity {
-    /// Returns the pressure pa at the top of the cap for the hydrostatic yield pressure pb. Equation (20.11).
-    fn cap_centre(&self, yield_pressure: f64) -> f64 {
-        (yield_pressure - self.eccentricity * self.cohesion) / (1.0 + self.eccentricity * self.friction)
-    }
-
     /// Returns the pressure of the tip of the failure surface, where q is zero.
     fn apex(&self) -> f64 {
         if self.friction > 0.0 { -self.cohesion / self.friction } else { f64::NEG_INFINITY }
     }
 
-    /// Returns the point of the yield surface at a pressure and a yield pressure pb. Equation (20.12). The
-    /// region below the arc of the transition is elastic: the lower half of that circle is no part of the surface.
-    fn surface(&self, pressure: f64, yield_pressure: f64) -> CapPoint {
+    /// Returns the constants of the yield surface.
+    fn shape(&self) -> CapShape {
         let (tangent, alpha) = (self.friction, self.transition);
         let secant = (1.0 + tangent * tangent).sqrt(); // 1/cos(beta)
         let shape = 1.0 + alpha - alpha * secant; // m
-        let centre = self.cap_centre(yield_pressure);
-        let height = self.cohesion + centre * tangent; // c
-        let distance = pressure - centre;
-        if distance > 0.0 {
-            let axis = self.eccentricity * height;
-            let mises = shape / self.eccentricity * (axis * axis - distance * distance).max(0.0).sqrt();
-            let ratio = shape / self.eccentricity;
-            return CapPoint { surface: Surface::Cap, mises, slope: ratio * ratio * distance };
+        let per_height = 1.0 / (1.0 + self.eccentricity * tangent);
+        CapShape {
+            tangent,
+            cohesion: self.cohesion,
+            eccentricity: self.eccentricity,
+            centre: [-self.eccentricity * self.cohesion * per_height, per_height],
+            alpha,
+            arc: alpha * tangent / secant,
+            rise: 1.0 - alpha * secant,
+            ratio: shape / self.eccentricity,
+            flow: (shape * tangent) * (shape * tangent),
         }
-        let slope = (shape * tangent) * (shape * tangent) * distance;
-        let radius = alpha * height;
-        if distance <= -radius * tangent / secant {
-            let mises = (self.cohesion + pressure * tangent).max(0.0);
-            return CapPoint { surface: Surface::Failure, mises, slope };
-        }
-        let rise = (radius * radius - distance * distance).max(0.0).sqrt();
-        CapPoint { surface: Surface::Transition, mises: (1.0 - alpha * secant) * height + rise, slope }
     }
 
     /// Returns the pressure p = `factor` pb + `offset` at which the compaction is that of the elastic path, exactly.
@@ -130,50 +161,59 @@ impl StressReturn for CapPlasticity {
     /// Equation (20.13).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let ElasticModuli { bulk, shear } = self.moduli;
-        let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
+        let trial = point.trial;
         let first = self.hardening.rows.first().map_or(0.0, |row| row[1]);
         let initial = if self.compaction == 0.0 { first } else { self.compaction.max(first) };
         let compaction_before = initial + point.state[COMPACTION];
-        let yield_before = self.hardening.value(compaction_before);
-        let elastic_limit = self.surface(trial.pressure, yield_before).mises;
-        let inside = trial.mises <= elastic_limit * (1.0 + 1e-14)
-            && trial.pressure <= yield_before * (1.0 + 1e-14)
+        let hardening = self.hardening.line(compaction_before);
+        let (shape, yield_before) = (self.shape(), hardening.value);
+        let at_trial = shape.at(trial.pressure, yield_before);
+        let inside = trial.mises <= at_trial.mises * (1.0 + 1e-12)
+            && trial.pressure <= yield_before * (1.0 + 1e-12)
             && trial.pressure >= self.apex();
         // A NaN is not returned, so that the run halts.
         if inside || trial.mises.is_nan() {
-            return point.return_to(&trial, trial.pressure, trial.mises, 0.0);
+            return point.stay_elastic();
         }
         // The plastic dilation follows from the pressure at the end; so do the yield surface and the flow there.
+        let per_bulk = 1.0 / bulk;
         let surface = |pressure: f64| {
-            self.surface(pressure, self.hardening.value(compaction_before + (trial.pressure - pressure) / bulk))
+            shape.at(pressure, hardening.at(compaction_before + (trial.pressure - pressure) * per_bulk))
         };
         let mismatch = |pressure: f64| {
             let CapPoint { mises, slope, .. } = surface(pressure);
             3.0 * shear * (trial.pressure - pressure) * mises - bulk * (trial.mises - mises) * slope
         };
-        let [factor, offset] = [self.cap_centre(1.0) - self.cap_centre(0.0), self.cap_centre(0.0)];
-        let centre = self.pressure_of(trial.pressure, compaction_before, factor, offset);
-        // Positive mismatch: flow to lower pressure is too weak. No flow changes the volume at the centre of the cap.
-        let [positive, other] = if trial.pressure > centre {
-            let hydrostatic = self.pressure_of(trial.pressure, compaction_before, 1.0, 0.0);
-            [centre, hydrostatic.min(trial.pressure)]
-        } else {
-            [trial.pressure.max(self.apex()), centre]
-        };
+        let centre = self.pressure_of(trial.pressure, compaction_before, shape.centre[1], shape.centre[0]);
         let size = trial.mises + trial.pressure.abs() + yield_before;
-        let pressure = bracketed_root(positive, other, 1e-9 * (bulk + shear) * size * size, mismatch);
+        let tolerance = 1e-9 * (bulk + shear) * size * size;
+        // Positive mismatch: flow to lower pressure is too weak. No flow changes the volume at the centre of the cap.
+        let compacts = trial.pressure > centre;
+        let start = if compacts {
+            self.pressure_of(trial.pressure, compaction_before, 1.0, 0.0).min(trial.pressure)
+        } else {
+            trial.pressure.max(self.apex())
+        };
+        let sign = if compacts { -1.0 } else { 1.0 };
+        // The linear flow rule at the trial.
+        let ratio = bulk * at_trial.slope / (3.0 * shear * at_trial.mises);
+        let rise = if at_trial.surface == Surface::Failure { self.friction } else { -at_trial.slope / at_trial.mises };
+        let guess = trial.pressure - ratio * (trial.mises - at_trial.mises) / (1.0 - rise * ratio);
+        let start = Start { start, first: sign * mismatch(start), guess };
+        let pressure = nearby_root(start, centre, tolerance, |pressure| sign * mismatch(pressure)).unwrap_or(centre);
         let end = surface(pressure);
         let mises = end.mises.min(trial.mises);
         let strain = (trial.mises - mises) / (3.0 * shear);
         point.state[STRAIN] += strain;
         point.state[SURFACES + end.surface as usize] += strain;
         point.state[COMPACTION] += (trial.pressure - pressure) / bulk;
-        point.return_to(&trial, pressure, mises, (pressure - trial.pressure) / bulk);
+        point.return_to(pressure, mises, (pressure - trial.pressure) / bulk);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::law::TrialStress;
     use super::*;
 
     fn soil() -> CapPlasticity {
@@ -227,7 +267,7 @@ mod tests {
             state[COMPACTION] = 0.05;
             let stress = strained(&law, &mut state, [-4.0, -5.0, -4.0, 0.0], [volume, volume, volume, shear]);
             let end = TrialStress::of(stress);
-            let limit = law.surface(end.pressure, law.hardening.value(state[COMPACTION])).mises;
+            let limit = law.shape().at(end.pressure, law.hardening.value(state[COMPACTION])).mises;
             assert!((end.mises - limit).abs() < 1e-9 * (1.0 + limit), "{volume} {shear}: {} {limit}", end.mises);
             assert!(end.pressure >= law.apex() && state[STRAIN] >= 0.0);
         }

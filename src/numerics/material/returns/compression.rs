@@ -33,26 +33,28 @@ impl CompressionLaw {
         (1.0 + compression) * (k1 + higher)
     }
 
-    /// Returns the work that the pressure does until it vanishes, per initial volume. Equation (20.22).
-    pub fn recoverable_energy(&self, compression: f64) -> f64 {
+    /// Returns the work that the pressure does until it vanishes, per initial volume, from a compression and the logarithm of
+    /// 1 plus it. Equation (20.22).
+    pub fn recoverable_energy(&self, compression: f64, logarithm: f64) -> f64 {
         // With higher terms the pressure vanishes in expansion, or at mu = 0 without a shift.
         let [k1, ..] = self.moduli;
-        let unloaded = -self.shift / k1;
+        let unloaded = if self.shift == 0.0 { 0.0 } else { self.antiderivative_from_zero(-self.shift / k1) };
         let at_limit = (self.tension - self.shift) / k1;
         if compression >= at_limit {
-            return self.antiderivative(compression) - self.antiderivative(unloaded);
+            return self.antiderivative(compression, logarithm) - unloaded;
         }
         let expanded = compression / (1.0 + compression) - at_limit / (1.0 + at_limit);
-        self.antiderivative(at_limit) - self.antiderivative(unloaded) + self.tension * expanded
+        self.antiderivative_from_zero(at_limit) - unloaded + self.tension * expanded
+    }
+
+    fn antiderivative_from_zero(&self, compression: f64) -> f64 {
+        self.antiderivative(compression, libm::log1p(compression))
     }
 
     /// Returns the integral of p/(1 + mu)² from 0.
-    fn antiderivative(&self, compression: f64) -> f64 {
-        if compression == 0.0 {
-            return 0.0;
-        }
+    fn antiderivative(&self, compression: f64, logarithm: f64) -> f64 {
         let [k1, k2, k3] = self.moduli;
-        let (logarithm, volume) = (libm::log1p(compression), compression / (1.0 + compression));
+        let volume = compression / (1.0 + compression);
         let linear = k1 * (logarithm - volume) + self.shift * volume;
         if compression < 0.0 || k2 == 0.0 && k3 == 0.0 {
             return linear;
@@ -85,7 +87,7 @@ mod tests {
             let width = (end - start) / f64::from(steps);
             let work = |i: i32| -law.pressure(1.0 / (start + (f64::from(i) + 0.5) * width) - 1.0) * width;
             let sum: f64 = (0..steps).map(work).sum();
-            let energy = law.recoverable_energy(compression);
+            let energy = law.recoverable_energy(compression, libm::log1p(compression));
             assert!((energy - sum).abs() < 1e-8 + 1e-5 * energy, "{compression}: {energy} {sum}");
         }
     }

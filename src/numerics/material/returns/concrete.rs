@@ -1,11 +1,12 @@
 //! Concrete damaged plasticity (Lubliner, Oliver, Oller, Onate 1989, Int. J. Solids Structures 25, 299; Lee and Fenves 1998,
 //! J. Eng. Mech. 124, 892; ABAQUS Analysis User's Guide, "Concrete damaged plasticity").
 
-use super::concrete_return::{ConcretePath, ConcreteSurface, principal, tension_share};
+use super::concrete_return::{ConcretePath, ConcreteSurface, tension_share};
 use super::concrete_tables::{ConcreteStrength, ConcreteTable, LARGEST_DAMAGE};
 use super::law::{ReturnPoint, StressReturn, TrialStress, contraction};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::stress::principal;
 use crate::variables::{Variable, VariableComponent};
 
 /// Limits that delete an element; the first one that is reached counts.
@@ -123,12 +124,15 @@ impl StressReturn for ConcreteDamagedPlasticity {
         let old_degradation = point.state[DEGRADATION];
         let effective =
             if old_degradation > 0.0 { scaled(point.carried, 1.0 / (1.0 - old_degradation)) } else { point.carried };
-        let trial = TrialStress::of(point.elastic(effective, self.moduli));
+        if old_degradation > 0.0 {
+            point.trial = TrialStress::elastic(effective, point.strain, self.moduli);
+        }
+        let trial = point.trial;
         let deviator = principal(trial.deviator);
-        let tables = [&self.compression, &self.tension];
         let start = [point.state[COMPRESSION_STRAIN], point.state[TENSION_STRAIN]];
-        let scales = tables.inline_map(|table| table.scale(point.length));
-        let start_strengths = [0, 1].inline_map(|side| tables[side].strength(start[side], 0.0, scales[side]).effective);
+        let sides = [&self.compression, &self.tension];
+        let tables = [0, 1].inline_map(|side: usize| sides[side].line(start[side], sides[side].scale(point.length)));
+        let start_strengths = tables.inline_map(|table| table.effective);
         let outside = self.surface.value([trial.pressure, trial.mises, deviator[2] - trial.pressure], start_strengths);
         let mut stresses = deviator.inline_map(|value| value - trial.pressure);
         let [mut pressure, mut share] = [trial.pressure, 1.0];
@@ -146,7 +150,6 @@ impl StressReturn for ConcreteDamagedPlasticity {
                 deviator,
                 start,
                 start_strengths,
-                scales,
                 per_dt: if point.dt > 0.0 { 1.0 / point.dt } else { 0.0 },
                 first_share: None,
             };
@@ -162,7 +165,7 @@ impl StressReturn for ConcreteDamagedPlasticity {
         }
         let degradation = self.degradation(stresses, [point.state[COMPRESSION_DAMAGE], point.state[TENSION_DAMAGE]]);
         point.state[DEGRADATION] = degradation;
-        point.return_to(&trial, pressure, share * trial.mises, (pressure - trial.pressure) / self.moduli.bulk);
+        point.return_to(pressure, share * trial.mises, (pressure - trial.pressure) / self.moduli.bulk);
         // Trapezoidal work of the nominal stress on the elastic strain, minus the change of (1 - d) W: half the change of d
         // times the product of both effective stresses over the moduli.
         if degradation != old_degradation {

@@ -1,29 +1,23 @@
 //! Return of an effective trial stress to the yield surface of concrete damaged plasticity.
 
-use super::concrete_tables::{ConcreteStrength, ConcreteTable};
+use super::concrete_tables::{ConcreteLine, ConcreteStrength};
 use super::law::TrialStress;
-use super::root::bracketed_root;
+use super::root::{Start, nearby_root};
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::stress::principal;
 
 /// Returns the share of tension r of principal stresses, between 0 and 1; 0 without stress (Lee and Fenves 1998).
 /// Equation (20.16).
 pub fn tension_share(principal: [f64; 3]) -> f64 {
-    let [positive, sum] =
-        [|s: f64| s.max(0.0), f64::abs].inline_map(|of| of(principal[0]) + of(principal[1]) + of(principal[2]));
-    if sum > 0.0 { positive / sum } else { 0.0 }
+    if principal[2] <= 0.0 {
+        return 0.0;
+    }
+    let [low, middle, high] = principal.inline_map(|s| if s > 0.0 { s } else { 0.0 });
+    let positive = low + middle + high;
+    // The sum of absolute values.
+    let sum = 2.0 * positive - (principal[0] + principal[1] + principal[2]);
+    positive / sum
 }
-
-/// Returns the principal stresses, ascending, without the branches of a sort.
-#[inline]
-pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
-    let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());
-    let (low, high) = (centre - radius, centre + radius);
-    [low.min(hoop), low.max(high.min(hoop)), high.max(hoop)]
-}
-
-/// Secants before the root is bracketed, and most steps to a bracket.
-const SECANTS: usize = 8;
-const MOST_STEPS: usize = 200;
 
 /// Constants of the yield surface in the space of effective stress.
 #[derive(Clone, Copy, Debug)]
@@ -72,8 +66,8 @@ pub struct ConcreteState {
 /// Path of the return of a trial stress. The flow potential sqrt(l0² + q²) - p tan(psi) depends on pressure and von Mises
 /// stress alone, so that the deviator keeps its direction.
 pub struct ConcretePath<'a> {
-    /// Tables of compression and tension.
-    pub tables: [&'a ConcreteTable; 2],
+    /// Tables of compression and tension around the equivalent plastic strains at the start of the increment.
+    pub tables: [ConcreteLine<'a>; 2],
     /// Bulk modulus without damage, stress.
     pub bulk: f64,
     /// One over the shear modulus without damage.
@@ -92,8 +86,6 @@ pub struct ConcretePath<'a> {
     pub start: [f64; 2],
     /// Effective strengths at these strains without flow: compression, tension.
     pub start_strengths: [f64; 2],
-    /// Factors from the abscissae of the tables to strains.
-    pub scales: [f64; 2],
     /// One over the length of the increment; 0 if that has no length.
     pub per_dt: f64,
     /// Share of tension where the plastic flow begins; `None` if it is that of the end.
@@ -117,7 +109,7 @@ impl ConcretePath<'_> {
         let tension = 0.5 * (last_share + self.first_share.unwrap_or(last_share));
         let strain = |deviator: f64| half * flow * share * deviator + dilation / 3.0;
         let [smallest, _, largest] = self.deviator.inline_map(strain);
-        let strains = [(-(1.0 - tension) * smallest).max(0.0), (tension * largest).max(0.0)];
+        let strains = [-(1.0 - tension) * smallest, tension * largest].inline_map(|x| if x > 0.0 { x } else { 0.0 });
         ConcreteState { pressure, share, principal, strains }
     }
 
@@ -125,7 +117,7 @@ impl ConcretePath<'_> {
     #[inline]
     pub fn strength(&self, state: &ConcreteState, side: usize) -> ConcreteStrength {
         let change = state.strains[side];
-        self.tables[side].strength(self.start[side] + change, change * self.per_dt, self.scales[side])
+        self.tables[side].at(self.start[side] + change, change * self.per_dt)
     }
 
     /// Returns the yield function at a state.
@@ -157,55 +149,46 @@ impl ConcretePath<'_> {
         self.first_share = Some(tension_share(principal(contact)));
     }
 
-    /// Returns the flow of perfect plasticity from the slope of the yield function at the trial.
+    /// Returns the flow at which the tangent of the yield function at the trial is zero.
     fn first_flow(&self, first: f64) -> f64 {
         let ConcreteSurface { pressure: a, meridian: c, scale } = self.surface;
         let mises = self.trial.mises;
         let rounded = (self.rounding * self.rounding + mises * mises).sqrt();
-        let rise = self.bulk * self.dilatancy * rounded * (self.per_shear / 3.0);
+        let dilation = self.dilatancy * rounded * (self.per_shear / 3.0);
+        let rise = self.bulk * dilation;
         let fall = self.deviator[2] + rise;
-        let tensile = self.deviator[2] > self.trial.pressure;
+        let largest = self.deviator[2] - self.trial.pressure;
         let [factor, steep] =
-            if tensile { [-1.0 - a, self.start_strengths[0] / self.start_strengths[1]] } else { [c, 0.0] };
-        let slope = (mises + 3.0 * a * rise + factor * fall) * scale + steep * fall;
+            if largest > 0.0 { [-1.0 - a, self.start_strengths[0] / self.start_strengths[1]] } else { [c, 0.0] };
+        // Rates of the equivalent plastic strains over the flow, and hardening.
+        let share = tension_share(self.deviator.inline_map(|value| value - self.trial.pressure));
+        let strain = |deviator: f64| 0.5 * self.per_shear * deviator + dilation / 3.0;
+        let [compression, tension] =
+            [-(1.0 - share) * strain(self.deviator[0]), share * strain(self.deviator[2])].inline_map(|x| x.max(0.0));
+        let [harder, tougher] = self.tables.inline_map(|table| table.slope());
+        let ratio = if largest > 0.0 { largest / self.start_strengths[1] } else { 0.0 };
+        let hardening = (1.0 - ratio) * harder * compression + ratio * steep * tougher * tension;
+        let perfect = (mises + 3.0 * a * rise + factor * fall) * scale + steep * fall;
+        let slope = perfect + hardening;
+        let slope = if slope > 0.1 * perfect { slope } else { perfect };
         if slope > 0.0 { first / slope } else { 1e-3 }
     }
 
-    /// Returns the state on the yield surface, from the value of the yield function at the trial.
+    /// Returns the state on the yield surface, from the value of the yield function at the trial. The function becomes
+    /// negative under a large pressure, which the flow increases.
     pub fn end(&self, first: f64) -> ConcreteState {
-        let outside = |flow: f64| self.outside(&self.state(flow));
-        let size = self.tables[0].first() + self.trial.pressure.abs() + self.trial.mises;
-        let tolerance = 1e-10 * size;
-        // Last point, and bounds of the flow: the yield function becomes negative under a large pressure, which the flow
-        // increases.
-        let (mut last, mut last_value) = (0.0, first);
-        let (mut positive, mut other) = (0.0, f64::INFINITY);
-        let mut flow = self.first_flow(first);
-        for iteration in 0..MOST_STEPS {
-            let value = outside(flow);
-            if value.abs() <= tolerance {
-                return self.state(flow);
-            }
-            (positive, other) = if value > 0.0 { (flow, other) } else { (positive, flow) };
-            let bracketed = other.is_finite();
-            if bracketed && iteration >= SECANTS {
-                break;
-            }
-            let secant = flow - value * (flow - last) / (value - last_value);
-            (last, last_value) = (flow, value);
-            let within = iteration < SECANTS && secant > positive && secant < other.min(100.0 * flow);
-            let split = if bracketed { 0.5 * (positive + other) } else { 4.0 * flow };
-            flow = if within { secant } else { split };
-        }
-        // Without a bound the trial is not finite, and neither is the result.
-        self.state(if other.is_finite() { bracketed_root(positive, other, tolerance, outside) } else { f64::NAN })
+        let size = self.start_strengths[0] + self.trial.pressure.abs() + self.trial.mises;
+        let start = Start { start: 0.0, first, guess: self.first_flow(first) };
+        let flow = nearby_root(start, f64::INFINITY, 1e-10 * size, |flow| self.outside(&self.state(flow)));
+        // Without a root the trial is not finite, and neither is the result.
+        self.state(flow.unwrap_or(f64::NAN))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ConcreteSurface, principal, tension_share};
-    use crate::kernel::stress;
+    use super::{ConcreteSurface, tension_share};
+    use crate::kernel::stress::{self, principal};
 
     /// Uniaxial, equibiaxial and confined compression, and uniaxial tension, for strengths 30 and 2.6.
     #[test]
@@ -221,10 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn principal_stresses_ascend_and_give_the_share_of_tension() {
-        for stress in [[3.0, -5.0, 1.0, 2.0], [1.0, 2.0, 9.0, 0.5], [1.0, 2.0, -9.0, 0.0], [0.0; 4]] {
-            assert_eq!(principal(stress), stress::principal(stress));
-        }
+    fn principal_stresses_give_the_share_of_tension() {
         assert_eq!([[-2.0, 0.0, 2.0], [1.0, 2.0, 3.0], [0.0; 3]].map(tension_share), [0.5, 1.0, 0.0]);
     }
 }

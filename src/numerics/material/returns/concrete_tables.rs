@@ -148,7 +148,6 @@ impl ConcreteTable {
     }
 
     /// Returns the values at a plastic strain, its rate, and a factor from [`Self::scale`]. Equation (20.17).
-    #[inline]
     pub fn strength(&self, plastic: f64, rate: f64, scale: f64) -> ConcreteStrength {
         let ConcreteRow { mut stress, damage, elastic, .. } = row_at(&self.curves[0], plastic, scale);
         if self.rates.len() > 1 {
@@ -163,8 +162,72 @@ impl ConcreteTable {
     }
 }
 
+/// Part of a [`ConcreteTable`] around a plastic strain, so that values near it need no search.
+#[derive(Clone, Copy, Debug)]
+pub struct ConcreteLine<'a> {
+    table: &'a ConcreteTable,
+    scale: f64,
+    /// Plastic strains between which the part holds; empty with several rates.
+    range: [f64; 2],
+    from: f64,
+    /// Values at the plastic strain for which it was made, and their slopes.
+    stress: [f64; 2],
+    damage: [f64; 2],
+    elastic: [f64; 2],
+    /// Effective strength there at rest.
+    pub effective: f64,
+}
+
+impl ConcreteTable {
+    /// Returns the part of the table around a plastic strain, with a factor from [`Self::scale`].
+    pub fn line(&self, from: f64, scale: f64) -> ConcreteLine<'_> {
+        let rows = &self.curves[0];
+        let strain = |row: &ConcreteRow| row.abscissa * scale - row.elastic;
+        let next = rows.iter().position(|row| strain(row) > from).unwrap_or(rows.len());
+        let a = &rows[next.saturating_sub(1)];
+        let [mut stress, mut damage, mut elastic] = [[a.stress, 0.0], [a.damage, 0.0], [a.elastic, 0.0]];
+        let mut range = [if next == 0 { f64::NEG_INFINITY } else { strain(a) }, f64::INFINITY];
+        if let (Some(b), true) = (rows.get(next), next > 0) {
+            range[1] = strain(b);
+            let (per, distance) = (1.0 / (range[1] - range[0]), from - range[0]);
+            let between = |first: f64, second: f64| {
+                let slope = per * (second - first);
+                [first + slope * distance, slope]
+            };
+            stress = between(a.stress, b.stress);
+            damage = between(a.damage, b.damage);
+            elastic = between(a.elastic, b.elastic);
+        } else if next == 0 {
+            range[1] = strain(a);
+        }
+        if self.rates.len() > 1 {
+            range = [f64::INFINITY, f64::NEG_INFINITY];
+        }
+        let effective = stress[0] / (1.0 - damage[0]);
+        ConcreteLine { table: self, scale, range, from, stress, damage, elastic, effective }
+    }
+}
+
+impl ConcreteLine<'_> {
+    /// Returns the values at a plastic strain and its rate, like [`ConcreteTable::strength`].
+    #[inline]
+    pub fn at(&self, plastic: f64, rate: f64) -> ConcreteStrength {
+        let [start, end] = self.range;
+        if plastic >= start && plastic <= end {
+            let [stress, damage, elastic] = [self.stress, self.damage, self.elastic]
+                .inline_map(|[value, slope]| value + slope * (plastic - self.from));
+            return ConcreteStrength { effective: stress / (1.0 - damage), damage, inelastic: plastic + elastic };
+        }
+        self.table.strength(plastic, rate, self.scale)
+    }
+
+    /// Returns the slope of the effective strength over the plastic strain at rest.
+    pub fn slope(&self) -> f64 {
+        (self.stress[1] + self.effective * self.damage[1]) / (1.0 - self.damage[0])
+    }
+}
+
 /// Returns the interpolated row at a plastic strain; the abscissa is not set.
-#[inline]
 fn row_at(rows: &[ConcreteRow], plastic: f64, scale: f64) -> ConcreteRow {
     let strain = |row: &ConcreteRow| row.abscissa * scale - row.elastic;
     let next = rows.iter().position(|row| strain(row) > plastic).unwrap_or(rows.len());

@@ -1,11 +1,12 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
-use super::law::{ReturnPoint, StressReturn, TrialStress, determinant};
-use super::root::{bracketed_root, nearby_root};
-use crate::kernel::hardening::{LinearTable, RateFactor, power};
+use super::law::{ReturnPoint, StressReturn, TrialStress, contraction, determinant};
+use super::root::{Start, nearby_root};
+use crate::kernel::hardening::{LinearTable, RateFactor, TableLine};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
+use crate::kernel::transcendental::power_of;
 use crate::variables::{Variable, VariableComponent};
 
 /// Shape of the yield surface in the plane of pressure p and von Mises stress q. Equation (20.4).
@@ -72,8 +73,8 @@ impl Invariants {
     /// Returns the invariants that a shape of the yield surface needs.
     fn of(pressure: f64, deviator: [f64; 4], shape: DruckerPragerShape) -> Invariants {
         let mises = mises(deviator);
-        let is_round = !matches!(shape, DruckerPragerShape::Linear { ratio, .. } if ratio < 1.0);
-        let third = if is_round || mises == 0.0 { 0.0 } else { 13.5 * determinant(deviator) / (mises * mises * mises) };
+        let third =
+            if shape.is_round() || mises == 0.0 { 0.0 } else { 13.5 * determinant(deviator) / (mises * mises * mises) };
         Invariants { pressure, mises, third }
     }
 
@@ -87,6 +88,11 @@ impl Invariants {
 }
 
 impl DruckerPragerShape {
+    /// Returns whether the surface does not depend on the third invariant.
+    fn is_round(self) -> bool {
+        !matches!(self, DruckerPragerShape::Linear { ratio, .. } if ratio < 1.0)
+    }
+
     /// Returns the part of the yield function that depends on the stress; it equals [`Self::strength`] on the surface.
     /// Equation (20.4).
     fn measure(self, stress: Invariants) -> f64 {
@@ -96,7 +102,21 @@ impl DruckerPragerShape {
             DruckerPragerShape::Hyperbolic { friction, apex } => {
                 (apex * apex + mises * mises).sqrt() - pressure * friction
             }
-            DruckerPragerShape::Exponent { factor, exponent } => factor * power(mises, exponent) - pressure,
+            DruckerPragerShape::Exponent { factor, exponent } => factor * power_of(mises, exponent) - pressure,
+        }
+    }
+
+    /// Returns the derivatives of [`Self::measure`] by the von Mises stress and, negative, by the pressure, of the forms without
+    /// third invariant.
+    fn slopes(self, mises: f64) -> [f64; 2] {
+        match self {
+            DruckerPragerShape::Linear { friction, .. } => [1.0, friction],
+            DruckerPragerShape::Hyperbolic { friction, apex } => {
+                [mises / (apex * apex + mises * mises).sqrt(), friction]
+            }
+            DruckerPragerShape::Exponent { factor, exponent } => {
+                [factor * exponent * power_of(mises, exponent - 1.0), 1.0]
+            }
         }
     }
 
@@ -129,11 +149,10 @@ pub struct DruckerPrager {
 #[derive(Clone, Copy)]
 struct PathState {
     pressure: f64,
-    deviator: [f64; 4],
-    /// Equivalent plastic strain.
-    strain: f64,
-    /// Yield function.
-    outside: f64,
+    /// Increment of the equivalent plastic strain.
+    hardening: f64,
+    /// Measure of the stress.
+    measure: f64,
 }
 
 /// Trial stress of an increment, with what is constant on its path of return.
@@ -141,10 +160,15 @@ struct ReturnIncrement<'a> {
     law: &'a DruckerPrager,
     trial: TrialStress,
     strain_before: f64,
-    dt: f64,
-    /// Direction of the deviatoric flow of the linear form, and the plastic multiplier at the end of the path.
+    /// Hardening near that strain, and the strength there without flow.
+    hardening: TableLine<'a>,
+    strength_before: f64,
+    per_dt: f64,
+    /// Direction of the deviatoric flow of the linear form.
     direction: [f64; 4],
-    longest: f64,
+    /// Equivalent plastic strain per plastic multiplier of the linear form; rounding of the potential of the other forms.
+    per_multiplier: f64,
+    rounding: f64,
 }
 
 /// Only state: equivalent plastic strain.
@@ -184,99 +208,188 @@ impl DruckerPrager {
         }
     }
 
-    /// Returns the increment of the equivalent plastic strain for a plastic multiplier. Equation (20.9).
-    fn hardening_strain(&self, before: f64, stress: Invariants, multiplier: f64) -> f64 {
-        if let DruckerPragerShape::Linear { ratio, .. } = self.shape {
-            // The strain of the test along its stress.
-            let unit = self.test.invariants(1.0);
-            let deviatoric = if unit.third == 0.0 { 0.5 * (1.0 + 1.0 / ratio) } else { unit.measure(ratio) };
-            return multiplier * (deviatoric - unit.pressure * self.dilatancy);
-        }
-        let Invariants { pressure, mises, .. } = stress;
-        let rounding = self.rounding();
-        let potential = (rounding * rounding + mises * mises).sqrt();
-        let along = if potential > 0.0 { mises * mises / potential } else { 0.0 };
-        let work = (multiplier * (along - pressure * self.dilatancy)).max(0.0);
-        // Work over the yield stress in the middle of the increment.
-        let estimate = work / self.hardening.value(before);
-        work / self.hardening.value(before + 0.5 * estimate)
+    /// Returns the equivalent plastic strain per plastic multiplier of the linear form: the strain of the test along its
+    /// stress. Equation (20.9).
+    fn strain_per_multiplier(&self, ratio: f64) -> f64 {
+        let unit = self.test.invariants(1.0);
+        let deviatoric = if unit.third == 0.0 { 0.5 * (1.0 + 1.0 / ratio) } else { unit.measure(ratio) };
+        deviatoric - unit.pressure * self.dilatancy
     }
 }
 
-impl ReturnIncrement<'_> {
-    fn new(law: &DruckerPrager, trial: TrialStress, strain_before: f64, dt: f64) -> ReturnIncrement<'_> {
-        let mut increment = ReturnIncrement { law, trial, strain_before, dt, direction: [0.0; 4], longest: 0.0 };
-        if let (DruckerPragerShape::Linear { ratio, .. }, true) = (law.shape, trial.mises > 0.0) {
-            let (s, q) = (trial.deviator, trial.mises);
-            let (sum, difference) = (0.5 * (1.0 + 1.0 / ratio), 0.5 * (1.0 - 1.0 / ratio));
-            // Derivatives of q and of 27/2 det(s)/q² by the deviator.
-            let of_third = 13.5 * determinant(s) / (q * q * q);
-            let squared = [s[0] * s[0] + s[3] * s[3], s[1] * s[1] + s[3] * s[3], s[2] * s[2], s[3] * (s[0] + s[1])];
-            let part = |i: usize| {
-                let cofactor = 13.5 * (squared[i] - if i < 3 { 2.0 / 9.0 * q * q } else { 0.0 }) / (q * q);
-                (sum + 2.0 * difference * of_third) * 1.5 * s[i] / q - difference * cofactor
-            };
-            increment.direction = [0, 1, 2, 3].inline_map(part);
-            let measure = Invariants::of(trial.pressure, s, law.shape).measure(ratio);
-            increment.longest = q * q / (3.0 * law.moduli.shear * measure);
+impl<'a> ReturnIncrement<'a> {
+    fn new(law: &'a DruckerPrager, trial: TrialStress, strain_before: f64, dt: f64) -> ReturnIncrement<'a> {
+        let hardening = law.hardening.line(strain_before);
+        let factor = law.rate.as_ref().map_or(1.0, |factor| factor.at(0.0, 0.0));
+        let strength_before = law.shape.strength(law.test, factor * hardening.value);
+        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let (direction, per_multiplier, rounding) = ([0.0; 4], 0.0, 0.0);
+        ReturnIncrement {
+            law,
+            trial,
+            strain_before,
+            hardening,
+            strength_before,
+            per_dt,
+            direction,
+            per_multiplier,
+            rounding,
         }
-        increment
     }
 
-    /// Returns the state at a share of the path that is left: 1 for the trial. Equation (20.8).
-    fn along(&self, share: f64) -> PathState {
-        let ReturnIncrement { law, trial, direction, .. } = self;
-        let ElasticModuli { bulk, shear } = law.moduli;
-        let (multiplier, deviator) = if let DruckerPragerShape::Linear { .. } = law.shape {
-            let multiplier = (1.0 - share) * self.longest;
-            (multiplier, [0, 1, 2, 3].inline_map(|i| trial.deviator[i] - 2.0 * shear * multiplier * direction[i]))
-        } else {
-            let (mises, rounding) = (trial.mises * share, law.rounding());
-            // The derivative of the potential by the von Mises stress.
-            let slope = if rounding > 0.0 { mises / (rounding * rounding + mises * mises).sqrt() } else { 1.0 };
-            let multiplier = (trial.mises - mises) / (3.0 * shear * slope);
-            (multiplier, trial.deviator.inline_map(|part| share * part))
+    /// Sets the flow of a stress outside the yield surface.
+    fn set_flow(&mut self) {
+        let law = self.law;
+        let DruckerPragerShape::Linear { ratio, .. } = law.shape else {
+            self.rounding = law.rounding();
+            return;
         };
-        self.state(trial.pressure + bulk * multiplier * law.dilatancy, deviator, multiplier)
+        self.per_multiplier = law.strain_per_multiplier(ratio);
+        let (s, q) = (self.trial.deviator, self.trial.mises);
+        if ratio == 1.0 {
+            self.direction = s.inline_map(|part| 1.5 / q * part);
+            return;
+        }
+        let (sum, difference) = (0.5 * (1.0 + 1.0 / ratio), 0.5 * (1.0 - 1.0 / ratio));
+        // Derivatives of q and of 27/2 det(s)/q² by the deviator.
+        let of_third = 13.5 * determinant(s) / (q * q * q);
+        let squared = [s[0] * s[0] + s[3] * s[3], s[1] * s[1] + s[3] * s[3], s[2] * s[2], s[3] * (s[0] + s[1])];
+        let part = |i: usize| {
+            let cofactor = 13.5 * (squared[i] - if i < 3 { 2.0 / 9.0 * q * q } else { 0.0 }) / (q * q);
+            (sum + 2.0 * difference * of_third) * 1.5 * s[i] / q - difference * cofactor
+        };
+        self.direction = [0, 1, 2, 3].inline_map(part);
     }
 
-    fn state(&self, pressure: f64, deviator: [f64; 4], multiplier: f64) -> PathState {
-        let stress = Invariants::of(pressure, deviator, self.law.shape);
-        let hardening = self.law.hardening_strain(self.strain_before, stress, multiplier);
-        let strain = self.strain_before + hardening;
-        let outside = self.law.shape.measure(stress) - self.law.strength(strain, self.rate(hardening));
-        PathState { pressure, deviator, strain, outside }
+    /// Returns the deviator of the linear form after flow with a plastic multiplier.
+    fn linear_deviator(&self, multiplier: f64) -> [f64; 4] {
+        let step = 2.0 * self.law.moduli.shear * multiplier;
+        [0, 1, 2, 3].inline_map(|i| self.trial.deviator[i] - step * self.direction[i])
     }
 
-    fn rate(&self, hardening: f64) -> f64 {
-        if self.dt > 0.0 { hardening / self.dt } else { 0.0 }
+    /// Returns the state of the linear form after flow with a plastic multiplier. Equation (20.8).
+    #[inline]
+    fn after(&self, multiplier: f64) -> PathState {
+        let ReturnIncrement { law, trial, .. } = self;
+        let pressure = trial.pressure + law.moduli.bulk * law.dilatancy * multiplier;
+        let stress = if law.shape.is_round() {
+            Invariants { pressure, mises: trial.mises - 3.0 * law.moduli.shear * multiplier, third: 0.0 }
+        } else {
+            Invariants::of(pressure, self.linear_deviator(multiplier), law.shape)
+        };
+        PathState { pressure, hardening: multiplier * self.per_multiplier, measure: law.shape.measure(stress) }
+    }
+
+    /// Returns the state of the other forms with a von Mises stress. Equation (20.8).
+    #[inline]
+    fn with_mises(&self, mises: f64) -> PathState {
+        let ReturnIncrement { law, trial, .. } = self;
+        let potential = self.potential(mises);
+        // The derivative of the potential by the von Mises stress is the von Mises stress over the potential.
+        let multiplier = (trial.mises - mises) * potential / (3.0 * law.moduli.shear * mises);
+        let pressure = trial.pressure + law.moduli.bulk * multiplier * law.dilatancy;
+        let work = multiplier * (mises * mises / potential - pressure * law.dilatancy);
+        let measure = law.shape.measure(Invariants { pressure, mises, third: 0.0 });
+        PathState { pressure, hardening: self.strain_of_work(work), measure }
+    }
+
+    /// Returns sqrt(l0² + q²), the flow potential without the pressure, of the smooth forms.
+    fn potential(&self, mises: f64) -> f64 {
+        (self.rounding * self.rounding + mises * mises).sqrt()
+    }
+
+    /// Returns the increment of the equivalent plastic strain for a plastic work. Equation (20.9).
+    #[inline]
+    fn strain_of_work(&self, work: f64) -> f64 {
+        // Work over the yield stress in the middle of the increment.
+        let estimate = work.max(0.0) / self.hardening.value;
+        let middle = self.hardening.at(self.strain_before + 0.5 * estimate);
+        if middle == self.hardening.value { estimate } else { work.max(0.0) / middle }
+    }
+
+    /// Returns the yield function at a state.
+    #[inline]
+    fn outside(&self, state: PathState) -> f64 {
+        state.measure - self.strength(state.hardening)
+    }
+
+    /// Returns the strength after a hardening increment.
+    #[inline]
+    fn strength(&self, hardening: f64) -> f64 {
+        let yield_stress = self.hardening.at(self.strain_before + hardening);
+        match &self.law.rate {
+            None if yield_stress == self.hardening.value => self.strength_before,
+            None => self.law.shape.strength(self.law.test, yield_stress),
+            Some(rate) => self.law.shape.strength(self.law.test, rate.at(hardening * self.per_dt, 0.0) * yield_stress),
+        }
+    }
+
+    /// Returns the end of the return along the deviator, from the value of the yield function at the trial; `None` if that
+    /// ends at the apex only.
+    fn end(&self, first: f64, size: f64) -> Option<(PathState, [f64; 4])> {
+        let ReturnIncrement { law, trial, .. } = self;
+        let ElasticModuli { bulk, shear } = law.moduli;
+        let tolerance = ACCURACY * size;
+        if let DruckerPragerShape::Linear { friction, ratio } = law.shape {
+            let unit = law.shape.strength(law.test, 1.0);
+            let along = if ratio == 1.0 { 1.5 } else { contraction(self.direction, self.direction) };
+            let slope = 2.0 * shear * along
+                + bulk * law.dilatancy * friction
+                + unit * self.hardening.slope * self.per_multiplier;
+            // The measure decreases linearly to zero.
+            let measure = first + self.strength_before + trial.pressure * friction;
+            let longest = trial.mises * trial.mises / (3.0 * shear * measure);
+            let guess = if slope > 0.0 { first / slope } else { f64::NAN };
+            let start = Start { start: 0.0, first, guess };
+            let outside = |multiplier: f64| self.outside(self.after(multiplier));
+            let multiplier = nearby_root(start, longest, tolerance, outside)?;
+            return Some((self.after(multiplier), self.linear_deviator(multiplier)));
+        }
+        let q = trial.mises;
+        let [by_mises, by_pressure] = law.shape.slopes(q);
+        let potential = self.potential(q);
+        // Derivatives of the plastic multiplier and of the hardening strain by the falling von Mises stress.
+        let multiplier = potential / (3.0 * shear * q);
+        let strain = multiplier * (q * q / potential - trial.pressure * law.dilatancy) / self.hardening.value;
+        let perfect = by_mises + by_pressure * bulk * law.dilatancy * multiplier;
+        let slope = perfect + self.slope_of_strength() * strain.max(0.0);
+        let start = Start { start: q, first, guess: q - first / slope.max(0.1 * perfect) };
+        // The smooth potential reaches all pressures before the von Mises stress vanishes.
+        let outside = |mises: f64| self.outside(self.with_mises(mises));
+        let mises = nearby_root(start, 1e-12 * q, tolerance, outside)?;
+        Some((self.with_mises(mises), trial.deviator.inline_map(|part| mises / q * part)))
+    }
+
+    /// Returns the slope of the strength over the equivalent plastic strain, from that over the yield stress.
+    fn slope_of_strength(&self) -> f64 {
+        let (test, yield_stress) = (self.law.test.invariants(1.0), self.hardening.value);
+        let [by_mises, by_pressure] = self.law.shape.slopes(test.mises * yield_stress);
+        (by_mises * test.mises - by_pressure * test.pressure) * self.hardening.slope
     }
 
     /// Returns the state at the apex: the pressure alone returns. Equation (20.10).
     fn at_apex(&self) -> PathState {
         let ReturnIncrement { law, trial, .. } = self;
+        let per_pressure = if law.dilatancy > 0.0 { 1.0 / (law.moduli.bulk * law.dilatancy) } else { 0.0 };
         let state = |pressure: f64| {
-            let slope = law.moduli.bulk * law.dilatancy;
-            let multiplier = if slope > 0.0 { (pressure - trial.pressure) / slope } else { 0.0 };
-            self.state(pressure, [0.0; 4], multiplier)
+            let multiplier = (pressure - trial.pressure) * per_pressure;
+            let hardening = match law.shape {
+                DruckerPragerShape::Linear { .. } => multiplier * self.per_multiplier,
+                _ => self.strain_of_work(-multiplier * pressure * law.dilatancy),
+            };
+            PathState { pressure, hardening, measure: 0.0 }
         };
-        let outside = |pressure: f64| {
-            let strain = state(pressure).strain;
-            law.apex_pressure(law.strength(strain, self.rate(strain - self.strain_before))) - pressure
-        };
-        let distance = outside(trial.pressure).max(0.0);
-        let mut end = trial.pressure + distance;
+        let outside = |pressure: f64| law.apex_pressure(self.strength(state(pressure).hardening)) - pressure;
+        let first = outside(trial.pressure).max(0.0);
+        let start = Start { start: trial.pressure, first, guess: trial.pressure + first };
+        let size = self.strength_before.abs() + trial.pressure.abs();
         // Softening moves the apex further.
-        for _ in 0..60 {
-            if outside(end) <= 0.0 {
-                break;
-            }
-            end += distance;
-        }
-        let size = 1e-13 * law.strength(self.strain_before, 0.0).abs();
-        state(bracketed_root(trial.pressure, end, size, outside))
+        state(nearby_root(start, f64::INFINITY, ACCURACY * size, outside).unwrap_or(trial.pressure))
     }
 }
+
+/// Values of the yield function that are zero, over the size of the trial stress.
+const ACCURACY: f64 = 1e-12;
 
 impl StressReturn for DruckerPrager {
     fn describe(&self) -> String {
@@ -305,26 +418,26 @@ impl StressReturn for DruckerPrager {
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
-        let strength = self.strength(point.state[STRAIN], 0.0);
-        let first = self.shape.measure(Invariants::of(trial.pressure, trial.deviator, self.shape)) - strength;
+        let trial = point.trial;
+        let mut increment = ReturnIncrement::new(self, trial, point.state[STRAIN], point.dt);
+        let stress = if self.shape.is_round() {
+            Invariants { pressure: trial.pressure, mises: trial.mises, third: 0.0 }
+        } else {
+            Invariants::of(trial.pressure, trial.deviator, self.shape)
+        };
+        let strength = increment.strength_before;
+        let first = self.shape.measure(stress) - strength;
         let size = strength.abs() + trial.pressure.abs() + trial.mises;
         // A NaN is not returned, so that the run halts.
-        if first.is_nan() || first <= 1e-14 * size {
-            return point.return_to(&trial, trial.pressure, trial.mises, 0.0);
+        if first.is_nan() || first <= 2.0 * ACCURACY * size {
+            return point.stay_elastic();
         }
-        // The smooth potential reaches all pressures before the von Mises stress vanishes, the linear one does not.
-        let smallest = if self.rounding() > 0.0 { 1e-12 } else { 0.0 };
-        let increment = ReturnIncrement::new(self, trial, point.state[STRAIN], point.dt);
-        let share = if trial.mises <= 1e-12 * size {
-            None
-        } else {
-            nearby_root(1.0, first, smallest, 1e-13 * size, |share| increment.along(share).outside)
-        };
-        let PathState { pressure, deviator, strain, .. } =
-            share.map_or_else(|| increment.at_apex(), |share| increment.along(share));
-        point.state[STRAIN] = strain;
-        point.return_to_deviator(&trial, pressure, deviator, (pressure - trial.pressure) / self.moduli.bulk);
+        increment.set_flow();
+        let returned = if trial.mises <= 1e-12 * size { None } else { increment.end(first, size) };
+        let (PathState { pressure, hardening, .. }, deviator) =
+            returned.unwrap_or_else(|| (increment.at_apex(), [0.0; 4]));
+        point.state[STRAIN] += hardening;
+        point.return_to_deviator(pressure, deviator, (pressure - trial.pressure) / self.moduli.bulk);
     }
 }
 
@@ -393,7 +506,8 @@ mod tests {
         let ratio = 0.8;
         let law = law(DruckerPragerShape::Linear { friction: 0.9, ratio });
         let trial = TrialStress::of([1.0, -2.0, 0.4, 0.7]);
-        let increment = ReturnIncrement::new(&law, trial, 0.0, 1.0);
+        let mut increment = ReturnIncrement::new(&law, trial, 0.0, 1.0);
+        increment.set_flow();
         let measure = |deviator: [f64; 4]| Invariants::of(0.0, deviator, law.shape).measure(ratio);
         for i in 0..4 {
             let difference = |step: f64| {

@@ -2,7 +2,7 @@
 //! yield/creep"), with isotropic hardening. The axes r, z, hoop of the material turn with it.
 
 use super::law::{ReturnPoint, StressReturn};
-use super::root::bracketed_root;
+use super::root::{Start, nearby_root};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
@@ -91,14 +91,15 @@ impl StressReturn for HillPotential {
 
     /// Equation (20.34).
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let elastic = point.elastic(point.carried, self.moduli);
+        let elastic = point.trial.stress();
         let [cosine, sine] =
             if point.angle == 0.0 { [1.0, 0.0] } else { [libm::cos(point.angle), libm::sin(point.angle)] };
         let [rr, zz, hoop, shear] = rotate(elastic, [cosine, -sine]);
         let [a, b] = self.directions;
         let trial = [rr * a[0] + zz * a[1] + hoop * a[2], rr * b[0] + zz * b[1] + hoop * b[2], shear];
         let strain_before = point.state[STRAIN];
-        let yield_before = self.hardening.value(strain_before);
+        let hardening = self.hardening.line(strain_before);
+        let yield_before = hardening.value;
         let trial_equivalent = self.equivalent(trial);
         point.stress = elastic;
         point.plastic = [0.0; 4];
@@ -111,15 +112,17 @@ impl StressReturn for HillPotential {
         // Nearly linear in the flow, also for large increments.
         let outside = |flow: f64| {
             let equivalent = self.equivalent(self.reduced(trial, flow));
-            1.0 - self.hardening.value(strain_before + strain(flow, equivalent)) / equivalent
+            1.0 - hardening.at(strain_before + strain(flow, equivalent)) / equivalent
         };
-        // At this flow the equivalent stress is the former yield stress or less: enough unless the table decreases.
-        let slowest = self.factors[0].min(self.factors[1]).min(self.factors[2]);
-        let mut most = (trial_equivalent / yield_before - 1.0) / slowest;
-        while outside(most) > 0.0 && most < 1e12 {
-            most *= 2.0;
-        }
-        let flow = bracketed_root(0.0, most, 1e-13, outside);
+        // The derivative of the equivalent stress q by the flow is -sum(f² s²)/q.
+        let [of_a, of_b, of_shear] = self.factors;
+        let squares = (of_a * trial[0]) * (of_a * trial[0]) + (of_b * trial[1]) * (of_b * trial[1]);
+        let fall = (squares + 2.0 * (of_shear * shear) * (of_shear * shear)) / trial_equivalent;
+        let rise = hardening.slope * trial_equivalent / double_shear;
+        let first = 1.0 - yield_before / trial_equivalent;
+        let slope = (rise + (1.0 - first) * fall) / trial_equivalent;
+        let start = Start { start: 0.0, first, guess: first / slope.max(0.1 * fall / trial_equivalent) };
+        let flow = nearby_root(start, f64::INFINITY, 1e-13, outside).unwrap_or(f64::INFINITY);
         let end = self.reduced(trial, flow);
         point.state[STRAIN] = strain_before + strain(flow, self.equivalent(end));
         // Plastic strain in the axes of the material; it takes twice the shear modulus times itself from the stress.

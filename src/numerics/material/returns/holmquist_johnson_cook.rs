@@ -3,10 +3,11 @@
 //! Ballistics, 591).
 
 use super::compression::{CompressionLaw, energy_of_stress_and_pressure};
-use super::law::{ReturnPoint, StressReturn, TrialStress, VolumeChange};
+use super::law::{ReturnPoint, StressReturn};
 use super::root::bracketed_root;
-use crate::kernel::hardening::{RateFactor, power};
+use crate::kernel::hardening::RateFactor;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::transcendental::power_of;
 use crate::variables::{Variable, VariableComponent};
 
 /// Constants of the law.
@@ -87,15 +88,16 @@ impl HolmquistJohnsonCook {
         Unloading { law, solid: lock, compaction }
     }
 
-    /// Returns the strength at a pressure, damage and rate factor. Equation (20.27).
-    fn yield_strength(&self, pressure: f64, damage: f64, rate: f64) -> f64 {
+    /// Returns the part of the normalised strength that a pressure adds to the cohesion. Equation (20.27).
+    fn pressure_strength(&self, pressure: f64) -> f64 {
         let [a, b, n] = self.strength;
-        let intact = a * (1.0 - damage);
-        if pressure < 0.0 {
-            return self.compressive * rate * (intact + a * pressure / self.tension).max(0.0);
-        }
-        let normalised = (intact + b * power(pressure / self.compressive, n)) * rate;
-        self.compressive * normalised.min(self.largest_strength)
+        if pressure < 0.0 { a * pressure / self.tension } else { b * power_of(pressure / self.compressive, n) }
+    }
+
+    /// Returns the strength with the part of the pressure, at a damage and a rate factor. Equation (20.27).
+    fn yield_strength(&self, of_pressure: f64, damage: f64, rate: f64) -> f64 {
+        let normalised = (self.strength[0] * (1.0 - damage) + of_pressure).max(0.0) * rate;
+        self.compressive * if of_pressure < 0.0 { normalised } else { normalised.min(self.largest_strength) }
     }
 }
 
@@ -145,30 +147,34 @@ impl StressReturn for HolmquistJohnsonCook {
     /// Equation (20.28).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let rate = point.deviatoric_rate();
-        let VolumeChange { volume_before, compression } = point.advance_volume(DILATION);
+        let compression = point.advance_volume(DILATION);
         let largest = compression.max(point.state[LARGEST]);
         let damage = point.state[DAMAGE];
         let Unloading { law, solid, compaction } = self.unloading(largest, damage);
         let counted = (compression - solid) / (1.0 + solid);
         let pressure = law.pressure(counted);
-        let trial = TrialStress::of(point.elastic(point.carried, self.moduli()));
+        let trial_mises = point.trial.mises;
         let rate_factor = self.rate.at(rate, 0.0);
-        let mut mises = trial.mises.min(self.yield_strength(pressure, damage, rate_factor));
-        let strain = (trial.mises - mises) / (3.0 * self.shear);
+        let of_pressure = self.pressure_strength(pressure);
+        let mut mises = trial_mises.min(self.yield_strength(of_pressure, damage, rate_factor));
+        let strain = (trial_mises - mises) / (3.0 * self.shear);
         let [factor, exponent, smallest] = self.fracture;
         let inelastic = strain + (compaction - point.state[COMPACTION]).max(0.0);
         if inelastic > 0.0 {
-            let to_fracture = factor * power((pressure + self.tension) / self.compressive, exponent);
+            let normalised = (pressure + self.tension) / self.compressive;
+            let to_fracture = factor * if exponent == 1.0 { normalised } else { power_of(normalised, exponent) };
             point.state[DAMAGE] = (damage + inelastic / to_fracture.max(smallest)).min(1.0);
             // The loss of strength by the new damage is plastic flow too, but damages no further.
-            mises = mises.min(self.yield_strength(pressure, point.state[DAMAGE], rate_factor));
+            mises = mises.min(self.yield_strength(of_pressure, point.state[DAMAGE], rate_factor));
         }
-        point.state[STRAIN] += (trial.mises - mises) / (3.0 * self.shear);
+        point.state[STRAIN] += (trial_mises - mises) / (3.0 * self.shear);
         let changes = inelastic > 0.0 || compaction != point.state[COMPACTION];
         (point.state[LARGEST], point.state[COMPACTION]) = (largest, compaction);
-        point.return_to(&trial, pressure, mises, 0.0);
-        let energy = law.recoverable_energy(counted) / (1.0 + solid);
-        point.dissipate_volumetric_work(ENERGY, energy, volume_before, changes);
+        point.return_to(pressure, mises, 0.0);
+        // The compression of the solid without pores.
+        let logarithm = if solid == 0.0 { -point.state[DILATION] } else { libm::log1p(counted) };
+        let energy = law.recoverable_energy(counted, logarithm) / (1.0 + solid);
+        point.dissipate_volumetric_work(ENERGY, energy, compression, changes);
         point.moduli.bulk = law.bulk_modulus(counted);
         point.deleted = self.deletion > 0.0 && point.state[STRAIN] >= self.deletion;
     }

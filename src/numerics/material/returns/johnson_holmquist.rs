@@ -2,9 +2,10 @@
 //! model for brittle materials", AIP Conference Proceedings 309, 981).
 
 use super::compression::{CompressionLaw, energy_of_stress_and_pressure};
-use super::law::{ReturnPoint, StressReturn, TrialStress, VolumeChange};
-use crate::kernel::hardening::{RateFactor, power};
+use super::law::{ReturnPoint, StressReturn};
+use crate::kernel::hardening::RateFactor;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::transcendental::power_of;
 use crate::variables::{Variable, VariableComponent};
 
 /// Constants of the law, in the order of the user material `ABQ_JH2`. Strengths are normalised by the von Mises stress at the
@@ -49,28 +50,47 @@ const STATUS: usize = 7;
 const ENERGY: usize = 8;
 
 impl JohnsonHolmquist {
-    /// Returns the strength at a pressure, damage and rate factor. Equation (20.23).
-    fn strength(&self, pressure: f64, damage: f64, rate: f64) -> f64 {
+    /// Returns the strengths of the intact and of the fractured material at a pressure and a rate factor; those without share
+    /// in the strength for damages in a range are zero. Equation (20.23).
+    fn strengths(&self, pressure: f64, [least, most]: [f64; 2], rate: f64) -> JohnsonHolmquistStrengths {
         let [axial, hydrostatic] = self.elastic_limit;
         let [a, n, largest_intact] = self.intact;
         let [b, m, largest_fractured] = self.fractured;
-        let normalised = pressure / hydrostatic;
-        let intact = (a * power(normalised + self.tension / hydrostatic, n) * rate).min(largest_intact);
-        let fractured = if damage > 0.0 { (b * power(normalised, m) * rate).min(largest_fractured) } else { 0.0 };
-        1.5 * (axial - hydrostatic) * (intact - damage * (intact - fractured))
+        let scale = 1.5 * (axial - hydrostatic);
+        let strength = |factor: f64, pressure: f64, exponent: f64, largest: f64| {
+            scale * (factor * power_of(pressure / hydrostatic, exponent) * rate).min(largest)
+        };
+        let intact = if least < 1.0 { strength(a, pressure + self.tension, n, largest_intact) } else { 0.0 };
+        let fractured = if most > 0.0 { strength(b, pressure, m, largest_fractured) } else { 0.0 };
+        JohnsonHolmquistStrengths { intact, fractured }
     }
 
     /// Returns the damage after a plastic strain increment at a pressure. Equation (20.24).
     fn damage_after(&self, damage: f64, strain: f64, pressure: f64) -> f64 {
         let [factor, exponent] = self.fracture;
         let hydrostatic = self.elastic_limit[1];
-        let to_fracture = factor * power((pressure + self.tension) / hydrostatic, exponent);
+        let normalised = (pressure + self.tension) / hydrostatic;
+        let to_fracture = factor * if exponent == 1.0 { normalised.max(0.0) } else { power_of(normalised, exponent) };
         let to_fracture = to_fracture.max(self.fracture_range[0]).min(self.fracture_range[1]);
         if to_fracture > 0.0 { (damage + strain / to_fracture).min(1.0) } else { 1.0 }
     }
 
     fn compression(&self, bulking: f64, damage: f64) -> CompressionLaw {
         CompressionLaw { moduli: self.compression, shift: bulking, tension: -self.tension * (1.0 - damage) }
+    }
+}
+
+/// Strengths of the intact and the fractured material at a pressure, stress.
+#[derive(Clone, Copy)]
+struct JohnsonHolmquistStrengths {
+    intact: f64,
+    fractured: f64,
+}
+
+impl JohnsonHolmquistStrengths {
+    /// Returns the strength at a damage.
+    fn at(self, damage: f64) -> f64 {
+        self.intact - damage * (self.intact - self.fractured)
     }
 }
 
@@ -113,42 +133,49 @@ impl StressReturn for JohnsonHolmquist {
     /// Equation (20.25).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let rate = point.deviatoric_rate();
-        let VolumeChange { volume_before, compression } = point.advance_volume(DILATION);
+        let compression = point.advance_volume(DILATION);
         let (damage_before, bulking_before) = (point.state[DAMAGE], point.state[BULKING]);
         let mut damage = damage_before;
         let mut law = self.compression(point.state[BULKING], damage);
         let mut pressure = law.pressure(compression);
-        let trial = TrialStress::of(point.elastic(point.carried, self.moduli()));
+        let trial_mises = point.trial.mises;
         let rate_factor = self.rate.at(rate, 0.0);
-        let mut strength = self.strength(pressure, damage, rate_factor);
-        let mut mises = trial.mises;
+        let mut strengths = self.strengths(pressure, [damage, damage], rate_factor);
+        let mut strength = strengths.at(damage);
+        let mut mises = trial_mises;
         point.state[RATE] = 0.0;
-        if trial.mises > strength {
-            let strain = (trial.mises - strength) / (3.0 * self.shear);
+        if trial_mises > strength {
+            let strain = (trial_mises - strength) / (3.0 * self.shear);
             damage = self.damage_after(damage, strain, pressure);
-            if compression > 0.0 && self.bulking > 0.0 {
+            if compression > 0.0 && self.bulking > 0.0 && damage > damage_before {
                 // The elastic energy that the loss of strength releases, at this pressure.
-                let weaker = self.strength(pressure, damage, rate_factor);
+                if damage_before == 0.0 {
+                    strengths = self.strengths(pressure, [0.0, damage], rate_factor);
+                }
+                let weaker = strengths.at(damage);
                 let released = (strength * strength - weaker * weaker) / (6.0 * self.shear);
                 let linear = self.compression[0] * compression;
                 let square = (linear + law.shift) * (linear + law.shift);
                 law.shift = (square + 2.0 * self.bulking * self.compression[0] * released).sqrt() - linear;
             }
-            law = self.compression(law.shift, damage);
-            pressure = law.pressure(compression);
-            strength = self.strength(pressure, damage, rate_factor);
-            mises = trial.mises.min(strength);
+            if damage > damage_before {
+                law = self.compression(law.shift, damage);
+                pressure = law.pressure(compression);
+                strength = self.strengths(pressure, [damage, damage], rate_factor).at(damage);
+            }
+            mises = trial_mises.min(strength);
             // With the loss of strength by the new damage.
-            let strain = (trial.mises - mises) / (3.0 * self.shear);
+            let strain = (trial_mises - mises) / (3.0 * self.shear);
             point.state[STRAIN] += strain;
             point.state[RATE] = if point.dt > 0.0 { strain / point.dt } else { 0.0 };
         }
         point.state[DAMAGE] = damage;
         point.state[FRACTURED] = if damage >= 1.0 { 1.0 } else { 0.0 };
         (point.state[BULKING], point.state[STRENGTH]) = (law.shift, strength);
-        point.return_to(&trial, pressure, mises, 0.0);
+        point.return_to(pressure, mises, 0.0);
         let changes = damage != damage_before || law.shift != bulking_before;
-        point.dissipate_volumetric_work(ENERGY, law.recoverable_energy(compression), volume_before, changes);
+        let energy = law.recoverable_energy(compression, -point.state[DILATION]);
+        point.dissipate_volumetric_work(ENERGY, energy, compression, changes);
         point.moduli.bulk = law.bulk_modulus(compression);
         let is_deleted = if self.deletion > 0.0 {
             point.state[STRAIN] >= self.deletion

@@ -52,11 +52,13 @@ pub struct ReturnPoint<'a> {
     pub strain: [f64; 4],
     /// Previous stress, rotated with the spin of the material (Jaumann rate).
     pub carried: [f64; 4],
+    /// That stress plus the elastic stress increment of [`StressReturn::moduli`].
+    pub trial: TrialStress,
     /// Angle in the (r, z) plane by which the material has rotated since the start, radians.
     pub angle: f64,
     /// Length of the increment.
     pub dt: f64,
-    /// Characteristic length: the square root of the initial section area of the element.
+    /// Characteristic length of the element, from its initial section area ([`super::characteristic_length`]).
     pub length: f64,
     /// State of the point; the law updates it.
     pub state: &'a mut [f64],
@@ -75,15 +77,6 @@ pub struct ReturnPoint<'a> {
     pub deleted: bool,
 }
 
-/// Change of the volume of a point in an increment.
-#[derive(Clone, Copy, Debug)]
-pub struct VolumeChange {
-    /// Ratio of volumes before the increment.
-    pub volume_before: f64,
-    /// Compression V0/V - 1 after it.
-    pub compression: f64,
-}
-
 /// Elastic trial stress, split into its invariants.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialStress {
@@ -97,10 +90,26 @@ pub struct TrialStress {
 
 impl TrialStress {
     /// Splits a stress.
+    #[inline(always)] // Into the loop over the points of a block.
     pub fn of(stress: [f64; 4]) -> TrialStress {
         let pressure = pressure(stress);
         let deviator = [stress[0] + pressure, stress[1] + pressure, stress[2] + pressure, stress[3]];
         TrialStress { pressure, deviator, mises: mises(stress) }
+    }
+
+    /// Returns a previous stress plus the elastic stress of a strain increment.
+    #[inline(always)] // Into the loop over the points of a block.
+    pub fn elastic(previous: [f64; 4], strain: [f64; 4], moduli: ElasticModuli) -> TrialStress {
+        let mean = (moduli.bulk - 2.0 / 3.0 * moduli.shear) * (strain[0] + strain[1] + strain[2]);
+        let change = |i: usize| 2.0 * moduli.shear * strain[i] + if i < 3 { mean } else { 0.0 };
+        TrialStress::of([0, 1, 2, 3].inline_map(|i| previous[i] + change(i)))
+    }
+
+    /// Returns the stress.
+    #[inline]
+    pub fn stress(&self) -> [f64; 4] {
+        let [rr, zz, hoop, rz] = self.deviator;
+        [rr - self.pressure, zz - self.pressure, hoop - self.pressure, rz]
     }
 }
 
@@ -110,6 +119,7 @@ impl<'a> ReturnPoint<'a> {
         ReturnPoint {
             strain,
             carried,
+            trial: TrialStress::elastic(carried, strain, moduli),
             angle: 0.0,
             dt: 1.0,
             length: 1.0,
@@ -128,11 +138,10 @@ impl<'a> ReturnPoint<'a> {
         self.strain[0] + self.strain[1] + self.strain[2]
     }
 
-    /// Advances the logarithm of the volume ratio, a state.
-    pub fn advance_volume(&mut self, dilation: usize) -> VolumeChange {
-        let volume_before = libm::exp(self.state[dilation]);
+    /// Advances the logarithm of the volume ratio, a state; returns the compression V0/V - 1.
+    pub fn advance_volume(&mut self, dilation: usize) -> f64 {
         self.state[dilation] += self.dilation();
-        VolumeChange { volume_before, compression: libm::expm1(-self.state[dilation]) }
+        libm::expm1(-self.state[dilation])
     }
 
     /// Returns the rate of the equivalent deviatoric strain, sqrt(2/3 e:e) over the length of the increment.
@@ -143,39 +152,41 @@ impl<'a> ReturnPoint<'a> {
         if self.dt > 0.0 { (2.0 / 3.0 * square).sqrt() / self.dt } else { 0.0 }
     }
 
-    /// Returns a previous stress plus the elastic stress increment.
-    pub fn elastic(&self, previous: [f64; 4], moduli: ElasticModuli) -> [f64; 4] {
-        let mean = (moduli.bulk - 2.0 / 3.0 * moduli.shear) * self.dilation();
-        let change = |i: usize| 2.0 * moduli.shear * self.strain[i] + if i < 3 { mean } else { 0.0 };
-        [0, 1, 2, 3].inline_map(|i| previous[i] + change(i))
+    /// Sets the stress to the trial: without plastic strain.
+    #[inline]
+    pub fn stay_elastic(&mut self) {
+        (self.stress, self.plastic) = (self.trial.stress(), [0.0; 4]);
     }
 
     /// Sets the stress to a pressure and a von Mises stress along the deviator of the trial. The plastic strain has the
     /// deviator that returns the trial, and the given dilation.
-    pub fn return_to(&mut self, trial: &TrialStress, pressure: f64, mises: f64, dilation: f64) {
-        let share = if trial.mises > 0.0 { mises / trial.mises } else { 1.0 };
-        self.return_to_deviator(trial, pressure, trial.deviator.inline_map(|part| share * part), dilation);
+    #[inline]
+    pub fn return_to(&mut self, pressure: f64, mises: f64, dilation: f64) {
+        let share = if self.trial.mises > 0.0 { mises / self.trial.mises } else { 1.0 };
+        self.return_to_deviator(pressure, self.trial.deviator.inline_map(|part| share * part), dilation);
     }
 
     /// Sets the stress to a pressure and a deviator. The plastic strain has the deviator that returns the trial, and the
     /// given dilation. Equation (20.1).
-    pub fn return_to_deviator(&mut self, trial: &TrialStress, pressure: f64, deviator: [f64; 4], dilation: f64) {
+    #[inline]
+    pub fn return_to_deviator(&mut self, pressure: f64, deviator: [f64; 4], dilation: f64) {
+        let (per_shear, third) = (1.0 / (2.0 * self.moduli.shear), dilation * (1.0 / 3.0));
         for (i, part) in deviator.into_iter().enumerate() {
-            let (mean, volumetric) = if i < 3 { (-pressure, dilation / 3.0) } else { (0.0, 0.0) };
+            let (mean, volumetric) = if i < 3 { (-pressure, third) } else { (0.0, 0.0) };
             self.stress[i] = mean + part;
-            self.plastic[i] = (trial.deviator[i] - part) / (2.0 * self.moduli.shear) + volumetric;
+            self.plastic[i] = (self.trial.deviator[i] - part) * per_shear + volumetric;
         }
     }
 
     /// Replaces the recoverable energy of the pressure (per initial volume, a state). The work of the pressure beyond its
-    /// change is dissipated by compaction, in an increment that changes the law of the pressure. `volume` is the ratio of volumes
-    /// before the increment. Equation (20.3).
-    pub fn dissipate_volumetric_work(&mut self, energy: usize, recoverable: f64, volume: f64, changes: bool) {
-        let work = 0.5 * (pressure(self.carried) + pressure(self.stress)) * -self.dilation();
-        // The ratio of volumes in the middle of the increment.
-        let middle = volume * (1.0 + 0.5 * self.dilation());
+    /// change is dissipated by compaction, in an increment that changes the law of the pressure. Equation (20.3).
+    pub fn dissipate_volumetric_work(&mut self, energy: usize, recoverable: f64, compression: f64, changes: bool) {
         if changes {
-            self.compacted += work - (recoverable - self.state[energy]) / middle;
+            let dilation = self.dilation();
+            let work = 0.5 * (pressure(self.carried) + pressure(self.stress)) * -dilation;
+            // One over the ratio of volumes in the middle of the increment.
+            let middle = (1.0 + compression) / (1.0 - 0.5 * dilation);
+            self.compacted += work - (recoverable - self.state[energy]) * middle;
         }
         self.state[energy] = recoverable;
     }

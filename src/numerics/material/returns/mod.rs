@@ -23,7 +23,8 @@ pub mod spall;
 use super::carried::CarriedState;
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{InlineMap, LANES, Lanes, column};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn, put_column};
+use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
 use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
@@ -62,7 +63,7 @@ impl Material for ReturnMaterial {
 
     fn initial_state(&self, start: &BlockStart) -> ReturnState {
         let states = self.law.initial_state().into_iter().map(|value| [value; LANES]).collect();
-        let length = start.area.inline_map(f64::sqrt);
+        let length = inline_from_fn(|l| characteristic_length(start.area[l], start.corners[l]));
         ReturnState { states, angle: [0.0; LANES], active: [1.0; LANES], length, volume: start.volume }
     }
 
@@ -71,6 +72,7 @@ impl Material for ReturnMaterial {
     }
 
     /// Updates each point of a block; an increment of zero length changes nothing. Equation (20.2).
+    #[inline(always)] // Compiled for the instruction set of the machine.
     fn update(
         &self,
         state: &mut ReturnState,
@@ -83,59 +85,9 @@ impl Material for ReturnMaterial {
         if strain.dt == 0.0 {
             return;
         }
-        let mut values = [0.0; MOST_STATES];
-        let count = state.states.len();
-        for l in 0..strain.count {
-            if state.active[l] == 0.0 {
-                continue;
-            }
-            for (value, list) in values.iter_mut().zip(&state.states) {
-                *value = list[l];
-            }
-            state.angle[l] += strain.spin[l];
-            let carried = column(&strain.carried, l);
-            let increment = column(&strain.strain, l);
-            let mut point = ReturnPoint {
-                angle: state.angle[l],
-                dt: strain.dt,
-                length: state.length[l],
-                ..ReturnPoint::new(increment, carried, &mut values[..count], moduli)
-            };
-            self.law.update(&mut point);
-            let ReturnPoint { moduli, plastic, compacted, lost, .. } = point;
-            let deleted = point.deleted && !self.keeps_elements;
-            let new = if deleted { [0.0; 4] } else { point.stress };
-            let both = [0, 1, 2, 3].inline_map(|i: usize| 0.5 * (carried[i] + new[i]));
-            let (volume, work) = (strain.volume[l], contraction(both, increment));
-            update.internal[l] += volume * work;
-            if deleted {
-                // The force of the element ends with its stress: its elastic energy and the work of the increment are lost.
-                let mut previous = [0.0; MOST_STATES];
-                previous.iter_mut().zip(&state.states).for_each(|(value, list)| *value = list[l]);
-                let lost = volume * (work + self.law.recoverable_energy(carried, &previous[..count]));
-                update.dissipated[l] += lost;
-                update.damaged[l] += lost;
-                state.active[l] = 0.0;
-                update.deleted += 1;
-            } else {
-                update.dissipated[l] += volume * (contraction(both, plastic) + compacted + lost);
-                update.damaged[l] += volume * lost;
-            }
-            for (list, value) in state.states.iter_mut().zip(values) {
-                list[l] = value;
-            }
-            update.flow[l] = contraction(plastic, plastic);
-            let trial = mises(column(&update.deviator, l));
-            let end = TrialStress::of(new);
-            for i in 0..4 {
-                (update.plastic[i][l], update.deviator[i][l], stress[i][l]) = (plastic[i], end.deviator[i], new[i]);
-            }
-            let ratio = if trial > 0.0 { end.mises / trial } else { 1.0 };
-            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
-            // The constants of the elements contain the shear modulus.
-            update.bulk[l] = moduli.bulk + 4.0 / 3.0 * (moduli.shear - strain.moduli.shear);
-            update.shear[l] = moduli.shear;
-        }
+        let mut points = ReturnedPoints::begin(moduli, strain);
+        self.return_points(state, strain, &mut points);
+        update.deleted += points.finish(stress, strain, update);
     }
 
     fn share(&self, state: &ReturnState, lane: usize) -> f64 {
@@ -169,8 +121,137 @@ impl Material for ReturnMaterial {
     }
 }
 
+/// Returns the length of a line across an element in the (r, z) plane, from its area and its corners (their r, their z): the
+/// width of a band of cracked elements. It is the side of the square, and of the square of two triangles, with the area
+/// (Rots 1988, "Computational modeling of concrete fracture", thesis, TU Delft). Triangles repeat their last corner.
+pub fn characteristic_length(area: f64, corners: [[f64; 4]; 2]) -> f64 {
+    let is_triangle = corners.iter().all(|coordinate| coordinate[2] == coordinate[3]);
+    if is_triangle { (2.0 * area).sqrt() } else { area.sqrt() }
+}
+
 /// Largest number of states of a law.
 const MOST_STATES: usize = 16;
+
+/// Trial stresses of the points of a block, then the results of the law.
+struct ReturnedPoints {
+    pressure: Lanes,
+    deviator: [Lanes; 4],
+    mises: Lanes,
+    stress: [Lanes; 4],
+    plastic: [Lanes; 4],
+    /// Energies per current volume: of compaction and of damage.
+    compacted: Lanes,
+    lost: Lanes,
+    bulk: Lanes,
+    shear: Lanes,
+    /// 0 for a point that is deleted in this increment; 1 otherwise.
+    kept: Lanes,
+}
+
+impl ReturnedPoints {
+    /// Computes the trial stresses.
+    #[inline(always)] // Likewise.
+    fn begin(moduli: ElasticModuli, strain: &StrainIncrement) -> ReturnedPoints {
+        let [pressure, mises, zero] = [[0.0; LANES]; 3];
+        let (deviator, none) = ([zero; 4], [zero; 4]);
+        let [bulk, shear, kept] = [[moduli.bulk; LANES], [moduli.shear; LANES], [1.0; LANES]];
+        let (stress, plastic, compacted, lost) = (none, none, zero, zero);
+        let mut points =
+            ReturnedPoints { pressure, deviator, mises, stress, plastic, compacted, lost, bulk, shear, kept };
+        for l in 0..LANES {
+            let trial = TrialStress::elastic(column(&strain.carried, l), column(&strain.strain, l), moduli);
+            put_column(&mut points.deviator, l, trial.deviator);
+            (points.pressure[l], points.mises[l]) = (trial.pressure, trial.mises);
+        }
+        points
+    }
+
+    /// Stores stresses, moduli and energies of the block. Returns the number of deleted points.
+    #[inline(always)] // Likewise.
+    fn finish(&self, stress: &mut [Lanes; 4], strain: &StrainIncrement, update: &mut StressUpdate) -> usize {
+        let mut kept = 0.0;
+        for l in 0..LANES {
+            let (new, plastic) = (column(&self.stress, l), column(&self.plastic, l));
+            let carried = column(&strain.carried, l);
+            let both = [0, 1, 2, 3].inline_map(|i: usize| 0.5 * (carried[i] + new[i]));
+            let (volume, work) = (strain.volume[l], contraction(both, column(&strain.strain, l)));
+            update.internal[l] += volume * work;
+            // The force of a deleted element ends with its stress: its elastic energy and the work of the increment are lost.
+            let is_kept = self.kept[l] > 0.0;
+            let lost = self.lost[l] + if is_kept { 0.0 } else { work };
+            let flow = if is_kept { contraction(both, plastic) + self.compacted[l] } else { 0.0 };
+            update.dissipated[l] += volume * (flow + lost);
+            update.damaged[l] += volume * lost;
+            update.flow[l] = contraction(plastic, plastic);
+            let trial = mises(column(&update.deviator, l));
+            let end = TrialStress::of(new);
+            put_column(&mut update.plastic, l, plastic);
+            put_column(&mut update.deviator, l, end.deviator);
+            put_column(stress, l, new);
+            let ratio = if trial > 0.0 { end.mises / trial } else { 1.0 };
+            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
+            // The constants of the elements contain the shear modulus.
+            update.bulk[l] = self.bulk[l] + 4.0 / 3.0 * (self.shear[l] - strain.moduli.shear);
+            update.shear[l] = self.shear[l];
+            kept += self.kept[l];
+        }
+        LANES - kept as usize
+    }
+}
+
+impl ReturnMaterial {
+    /// Evaluates the law at the points of active elements.
+    fn return_points(&self, state: &mut ReturnState, strain: &StrainIncrement, points: &mut ReturnedPoints) {
+        let moduli = self.law.moduli();
+        let mut values = [0.0; MOST_STATES];
+        let values = &mut values[..state.states.len()];
+        for l in 0..strain.count {
+            if state.active[l] == 0.0 {
+                continue;
+            }
+            for (value, list) in values.iter_mut().zip(&state.states) {
+                *value = list[l];
+            }
+            state.angle[l] += strain.spin[l];
+            let trial = TrialStress {
+                pressure: points.pressure[l],
+                deviator: column(&points.deviator, l),
+                mises: points.mises[l],
+            };
+            let mut point = ReturnPoint {
+                strain: column(&strain.strain, l),
+                carried: column(&strain.carried, l),
+                trial,
+                angle: state.angle[l],
+                dt: strain.dt,
+                length: state.length[l],
+                state: values,
+                moduli,
+                stress: [0.0; 4],
+                plastic: [0.0; 4],
+                compacted: 0.0,
+                lost: 0.0,
+                deleted: false,
+            };
+            self.law.update(&mut point);
+            let ReturnPoint { carried, moduli, stress, plastic, compacted, lost, .. } = point;
+            put_column(&mut points.plastic, l, plastic);
+            (points.compacted[l], points.lost[l]) = (compacted, lost);
+            (points.bulk[l], points.shear[l]) = (moduli.bulk, moduli.shear);
+            if point.deleted && !self.keeps_elements {
+                let mut previous = [0.0; MOST_STATES];
+                previous.iter_mut().zip(&state.states).for_each(|(value, list)| *value = list[l]);
+                points.lost[l] = self.law.recoverable_energy(carried, &previous[..values.len()]);
+                (points.kept[l], state.active[l]) = (0.0, 0.0);
+            } else {
+                put_column(&mut points.stress, l, stress);
+            }
+            for (list, &value) in state.states.iter_mut().zip(values.iter()) {
+                list[l] = value;
+            }
+        }
+    }
+}
 
 impl CarriedState for ReturnState {
     fn carry(&mut self, visit: &mut dyn FnMut(&mut Lanes)) {

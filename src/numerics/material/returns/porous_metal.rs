@@ -1,10 +1,11 @@
 //! Porous metal plasticity (Gurson 1977, J. Eng. Mater. Technol. 99, 2; Tvergaard and Needleman 1984, Acta Metall. 32,
 //! 157; ABAQUS Analysis User's Guide, "Porous metal plasticity").
 
-use super::law::{ReturnPoint, StressReturn, TrialStress};
+use super::law::{ReturnPoint, StressReturn};
 use super::porous_return::{PorousIncrement, TOLERANCE};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::transcendental::exp_of;
 use crate::variables::{Variable, VariableComponent};
 
 /// Voids that nucleate around a mean plastic strain of the matrix, with a normal distribution, only while the mean
@@ -24,7 +25,7 @@ impl VoidNucleation {
     pub(super) fn density(&self, strain: f64) -> f64 {
         let distance = (strain - self.mean) / self.deviation;
         let scale = self.fraction / ((2.0 * std::f64::consts::PI).sqrt() * self.deviation);
-        scale * libm::exp(-0.5 * distance * distance)
+        scale * exp_of(-0.5 * distance * distance)
     }
 }
 
@@ -109,32 +110,32 @@ impl StressReturn for PorousMetal {
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
+        let trial = point.trial;
         let strain = point.state[STRAIN];
-        let yield_stress = self.hardening.value(strain);
         let before = PorousIncrement {
             strain,
             voids: point.state[VOIDS],
-            yield_stress,
+            hardening: self.hardening.line(strain),
             mises: trial.mises,
             mean: -trial.pressure,
         };
         let first = self.trial(&before);
         // A NaN is not returned, so that the run halts.
         if first.excess.is_nan() || first.excess <= TOLERANCE {
-            return point.return_to(&trial, trial.pressure, trial.mises, 0.0);
+            return point.stay_elastic();
         }
         let end = self.newton(&before, first).unwrap_or_else(|| self.bracketed(&before));
         point.state[STRAIN] = end.strain;
         point.state[VOIDS] = end.voids;
         point.state[DENSITY] = 1.0 - end.voids;
         point.deleted |= self.failure.is_some_and(|failure| end.voids >= failure.failure);
-        point.return_to(&trial, -end.mean, end.mises, (before.mean - end.mean) / self.moduli.bulk);
+        point.return_to(-end.mean, end.mises, (before.mean - end.mean) / self.moduli.bulk);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::law::TrialStress;
     use super::*;
 
     fn metal(rows: Vec<[f64; 2]>) -> PorousMetal {
@@ -179,9 +180,9 @@ mod tests {
             let mut state = law.initial_state();
             let (stress, deleted) = strained(&law, &mut state, [0.0; 4], [volume, volume, volume, shear]);
             let end = TrialStress::of(stress);
-            let [voids, yield_stress] = [state[VOIDS], law.hardening.value(state[STRAIN])];
-            let before =
-                PorousIncrement { strain: state[STRAIN], yield_stress, voids, mises: end.mises, mean: -end.pressure };
+            let (strain, voids) = (state[STRAIN], state[VOIDS]);
+            let hardening = law.hardening.line(strain);
+            let before = PorousIncrement { strain, hardening, voids, mises: end.mises, mean: -end.pressure };
             let excess = law.trial(&before).excess;
             assert!(excess.abs() < 1e-6 && state[STRAIN] > 0.0, "{volume} {shear}: {excess}");
             assert_eq!(deleted, voids >= 0.25);

@@ -3,7 +3,9 @@
 
 use super::porous_metal::PorousMetal;
 use super::root::bracketed_root;
+use crate::kernel::hardening::TableLine;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::transcendental::exp_of;
 
 /// Most Newton steps; more are needed for increments many times the yield strain only, which are bracketed.
 const NEWTON_STEPS: usize = 12;
@@ -14,10 +16,10 @@ pub(super) const TOLERANCE: f64 = 1e-8;
 /// pressure, for no number could represent them at a higher one.
 const LARGEST_RATIO: f64 = 20.0;
 
-/// Plastic strain and yield stress of the matrix and void volume fraction before an increment; invariants of the trial.
-pub(super) struct PorousIncrement {
+/// Plastic strain, hardening of the matrix and void volume fraction before an increment; invariants of the trial.
+pub(super) struct PorousIncrement<'a> {
     pub strain: f64,
-    pub yield_stress: f64,
+    pub hardening: TableLine<'a>,
     pub voids: f64,
     pub mises: f64,
     pub mean: f64,
@@ -47,22 +49,22 @@ pub(super) struct Flowed {
 impl PorousMetal {
     /// Returns the state after an increment. `flow` is the trial over the final von Mises stress, less 1: 6 G/y² times
     /// the plastic multiplier. Equation (20.30).
-    pub(super) fn flowed(&self, before: &PorousIncrement, flow: f64, dilation: f64) -> Flowed {
+    pub(super) fn flowed(&self, before: &PorousIncrement<'_>, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
         let work = (mises * (before.mises - mises) / (3.0 * self.moduli.shear) + mean * dilation).max(0.0);
         // Growth of voids in an incompressible matrix, whose work is done at the yield stress in the middle.
         let grown = before.voids - (1.0 - before.voids) * libm::expm1(-dilation);
         let scaled_work = work / (1.0 - 0.5 * (before.voids + grown));
-        let middle = before.strain + 0.5 * scaled_work / before.yield_stress;
-        let gained = scaled_work / self.hardening.value(middle);
+        let middle = before.strain + 0.5 * scaled_work / before.hardening.value;
+        let gained = scaled_work / before.hardening.at(middle);
         let strain = before.strain + gained;
         let nucleation = match self.nucleation {
             Some(voids) if mean > 0.0 => voids.density(before.strain + 0.5 * gained),
             _ => 0.0,
         };
         let voids = (grown + nucleation * gained).max(0.0);
-        let yield_stress = self.hardening.value(strain);
+        let yield_stress = before.hardening.at(strain);
         let effective = self.effective(voids);
         let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
         let excess = self.excess(mises / yield_stress, effective[0], cosh);
@@ -73,7 +75,7 @@ impl PorousMetal {
     /// Returns the hyperbolic cosine and sine of 1.5 q2 mean/yield.
     fn hyperbolic(&self, mean: f64, yield_stress: f64) -> [f64; 2] {
         let ratio = 1.5 * self.constants[1] * mean / yield_stress;
-        let exponential = libm::exp(ratio.clamp(-LARGEST_RATIO, LARGEST_RATIO));
+        let exponential = exp_of(ratio.clamp(-LARGEST_RATIO, LARGEST_RATIO));
         [0.5 * (exponential + 1.0 / exponential), 0.5 * (exponential - 1.0 / exponential)]
     }
 
@@ -85,8 +87,9 @@ impl PorousMetal {
     }
 
     /// Returns the state of the trial, without nucleation: [`Self::flowed`] without flow, but faster.
-    pub(super) fn trial(&self, before: &PorousIncrement) -> Flowed {
-        let &PorousIncrement { strain, yield_stress, voids, mises, mean } = before;
+    pub(super) fn trial(&self, before: &PorousIncrement<'_>) -> Flowed {
+        let &PorousIncrement { strain, hardening, voids, mises, mean } = before;
+        let yield_stress = hardening.value;
         let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
         let effective = self.effective(voids);
         let excess = self.excess(mises / yield_stress, effective[0], cosh);
@@ -111,7 +114,7 @@ impl PorousMetal {
     }
 
     /// Returns the state on the yield surface by Newton's method from the trial; `None` if it does not converge.
-    pub(super) fn newton(&self, before: &PorousIncrement, trial: Flowed) -> Option<Flowed> {
+    pub(super) fn newton(&self, before: &PorousIncrement<'_>, trial: Flowed) -> Option<Flowed> {
         let [q1, q2, q3] = self.constants;
         let ElasticModuli { bulk, shear } = self.moduli;
         let largest = before.mean / bulk;
@@ -122,7 +125,8 @@ impl PorousMetal {
             let Flowed { mises, mean, yield_stress, effective: [effective, growth], cosh, sinh, .. } = now;
             // Partial derivatives: of the yield stress and f* by the work on the matrix, ...
             let solid = 1.0 - now.voids;
-            let slope = if gained > 0.0 { (yield_stress - before.yield_stress) / gained } else { 0.0 };
+            let slope =
+                if gained > 0.0 { (yield_stress - before.hardening.value) / gained } else { before.hardening.slope };
             let yield_by_work = slope / (solid * yield_stress);
             let voids_by_work = growth * now.nucleation / (solid * yield_stress);
             // of the yield function and the flow rule by these two, ...
@@ -161,7 +165,7 @@ impl PorousMetal {
     }
 
     /// Returns the state on the yield surface for any increment.
-    pub(super) fn bracketed(&self, before: &PorousIncrement) -> Flowed {
+    pub(super) fn bracketed(&self, before: &PorousIncrement<'_>) -> Flowed {
         let largest = before.mean / self.moduli.bulk;
         let sign = if largest < 0.0 { -1.0 } else { 1.0 };
         let along = |flow: f64| {

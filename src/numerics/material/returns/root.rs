@@ -1,5 +1,7 @@
 //! Root of a scalar function with kinks, between two bounds.
 
+use crate::kernel::lanes::InlineMap;
+
 /// Iterations of [`bracketed_root`]; the interval halves at the latest in every second one.
 const ITERATIONS: usize = 120;
 
@@ -36,52 +38,94 @@ pub fn bracketed_root(mut positive: f64, mut other: f64, tolerance: f64, functio
     other
 }
 
-/// Returns the root next to `start`, where the function has the positive value `first`, on the way to `limit`; `None` if the
-/// function is positive up to there. Returns are short compared with the way, so that secants find it in few steps.
-pub fn nearby_root(start: f64, first: f64, limit: f64, tolerance: f64, function: impl Fn(f64) -> f64) -> Option<f64> {
+/// Returns the root next to `start`, where the function has the positive value `first`, on the way to `limit`, which may be
+/// infinite (then with a guess); `None` if the function is positive up to there. The guess is where the tangent at `start` is
+/// zero. Secants through the last two points follow. Returns are short compared with the way, so that a few suffice.
+#[inline(always)] // Into each law: the function is called a few times only.
+pub fn nearby_root(
+    Start { start, first, guess }: Start,
+    limit: f64,
+    tolerance: f64,
+    function: impl Fn(f64) -> f64,
+) -> Option<f64> {
     if first <= tolerance {
         return Some(start);
     }
-    let (mut positive, mut value) = (start, first);
-    let mut step = FIRST_STEP * (limit - start);
-    for _ in 0..ITERATIONS {
-        // Rounding does not move the last step off the limit.
-        let is_last = (limit - positive).abs() <= step.abs() * (1.0 + 1e-12);
-        let next = if is_last { limit } else { positive + step };
-        let next_value = function(next);
-        if next_value.abs() <= tolerance {
+    let forward = if limit < start { -1.0 } else { 1.0 };
+    let (mut positive, mut last, mut last_value) = (start, start, first);
+    // Bound where the function is negative.
+    let mut other = None;
+    let mut next = guess;
+    for iteration in 0..ITERATIONS {
+        // Distances from the start.
+        let [least, most, distance] = [positive, other.unwrap_or(limit), next].inline_map(|x| forward * (x - start));
+        if !(distance > least && distance < most) {
+            let longer = if iteration == 0 { FIRST_STEP * most } else { GROWTH * least };
+            let longer = if iteration == 0 && distance >= most { most } else { longer };
+            next = start + forward * if other.is_some() { 0.5 * (least + most) } else { longer.min(most) };
+            next = if longer >= most && other.is_none() { limit } else { next };
+        }
+        let value = function(next);
+        if value.abs() <= tolerance {
             return Some(next);
         }
-        if next_value < 0.0 {
-            return Some(bracketed_root(positive, next, tolerance, function));
-        }
-        if is_last || next_value.is_nan() {
+        if value.is_nan() || value > 0.0 && next == limit {
             return None;
         }
-        // The secant, slightly longer so that it brackets the root; at least twice the last step if it does not fall.
-        let fall = value - next_value;
-        let secant = if fall > 0.0 { 1.001 * next_value / fall * step } else { f64::INFINITY * step };
-        step = if secant.abs() < 1e3 * step.abs() { secant } else { 1e3 * step };
-        (positive, value) = (next, next_value);
+        if value < 0.0 {
+            other = Some(next);
+        } else {
+            positive = next;
+        }
+        if let (Some(other), true) = (other, iteration >= SECANTS) {
+            return Some(bracketed_root(positive, other, tolerance, function));
+        }
+        let secant = next - value * (next - last) / (value - last_value);
+        (last, last_value) = (next, value);
+        // Far from the root of a function without a bound, secants may be much too long.
+        let is_short = other.is_some() || (secant - start).abs() <= LONGEST * (next - start).abs();
+        next = if is_short { secant } else { f64::NAN };
     }
     None
 }
 
-/// First step of [`nearby_root`] over the way to the limit.
+/// Where [`nearby_root`] starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Argument with a positive value.
+    pub start: f64,
+    /// The value.
+    pub first: f64,
+    /// First argument to try; any number outside the way if there is none.
+    pub guess: f64,
+}
+
+/// Secants of [`nearby_root`] before a bracketed root is found in another way.
+const SECANTS: usize = 8;
+/// First step of [`nearby_root`] without guess, over the way; factor of later steps without secant; longest secant over the
+/// distance from the start.
 const FIRST_STEP: f64 = 1e-4;
+const GROWTH: f64 = 8.0;
+const LONGEST: f64 = 1e3;
 
 #[cfg(test)]
 mod tests {
-    use super::{bracketed_root, nearby_root};
+    use super::{Start, bracketed_root, nearby_root};
 
     #[test]
     fn nearby_root_is_the_first_one_or_none() {
         let function = |x: f64| (x - 0.7).powi(2) - 0.01;
-        let found = nearby_root(1.0, function(1.0), 0.0, 1e-14, function);
-        assert!(found.is_some_and(|x| (x - 0.8).abs() < 1e-9), "{found:?}");
-        assert_eq!(nearby_root(1.0, 0.5, 0.0, 1e-14, |x| x * x + 0.5), None);
-        let steep = nearby_root(1.0, 1.0, 0.0, 1e-12, |x| 1e6 * (x - 1.0) + 1.0);
-        assert!(steep.is_some_and(|x| (x - 0.999_999).abs() < 1e-12), "{steep:?}");
+        for guess in [f64::NAN, 0.82, 0.99, 3.0] {
+            let from = |first: f64| Start { start: 1.0, first, guess };
+            let found = nearby_root(from(function(1.0)), 0.0, 1e-14, function);
+            assert!(found.is_some_and(|x| (x - 0.8).abs() < 1e-9), "{found:?}");
+            assert_eq!(nearby_root(from(0.5), 0.0, 1e-14, |x| x * x + 0.5), None);
+            let steep = nearby_root(from(1.0), 0.0, 1e-12, |x| 1e6 * (x - 1.0) + 1.0);
+            assert!(steep.is_some_and(|x| (x - 0.999_999).abs() < 1e-12), "{steep:?}");
+        }
+        let start = Start { start: 0.0, first: 7.0, guess: 1e-9 };
+        let far = nearby_root(start, f64::INFINITY, 1e-12, |x| 7.0 - x);
+        assert!(far.is_some_and(|x| (x - 7.0).abs() < 1e-11), "{far:?}");
     }
 
     #[test]

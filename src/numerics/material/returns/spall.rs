@@ -1,8 +1,8 @@
 //! Von Mises plasticity with a cutoff of the tensile mean stress (ABAQUS Analysis User's Guide, "Dynamic failure models", tensile
 //! failure without element deletion).
 
-use super::law::{ReturnPoint, StressReturn, TrialStress};
-use super::root::nearby_root;
+use super::law::{ReturnPoint, StressReturn};
+use super::root::{Start, nearby_root};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
@@ -30,11 +30,17 @@ impl SpallingSolid {
     /// Returns the increment of the equivalent plastic strain that returns a von Mises stress. Equation (6.2).
     fn flow(&self, mises: f64, strain: f64) -> f64 {
         let shear3 = 3.0 * self.moduli.shear;
-        if self.hardening.rows.is_empty() || mises <= self.hardening.value(strain) {
+        if self.hardening.rows.is_empty() {
             return 0.0;
         }
-        let outside = |flow: f64| mises - shear3 * flow - self.hardening.value(strain + flow);
-        nearby_root(0.0, outside(0.0), mises / shear3, 1e-13 * mises, outside).unwrap_or(mises / shear3)
+        let hardening = self.hardening.line(strain);
+        let first = mises - hardening.value;
+        if first <= 0.0 {
+            return 0.0;
+        }
+        let outside = |flow: f64| mises - shear3 * flow - hardening.at(strain + flow);
+        let start = Start { start: 0.0, first, guess: first / (shear3 + hardening.slope) };
+        nearby_root(start, mises / shear3, 1e-13 * mises, outside).unwrap_or(mises / shear3)
     }
 }
 
@@ -67,7 +73,7 @@ impl StressReturn for SpallingSolid {
 
     /// Equation (20.35).
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
+        let trial = point.trial;
         let flow = self.flow(trial.mises, point.state[STRAIN]);
         let (mut pressure, mut mises) = (trial.pressure, trial.mises - 3.0 * self.moduli.shear * flow);
         if -trial.pressure > self.cutoff {
@@ -79,6 +85,6 @@ impl StressReturn for SpallingSolid {
         }
         // A deviator without strength flows, too.
         point.state[STRAIN] += (trial.mises - mises) / (3.0 * self.moduli.shear);
-        point.return_to(&trial, pressure, mises, (pressure - trial.pressure) / self.moduli.bulk);
+        point.return_to(pressure, mises, (pressure - trial.pressure) / self.moduli.bulk);
     }
 }

@@ -5,6 +5,7 @@ use crate::element::constants::ElementConstants;
 use crate::element::solid_groups::Connectivity;
 use crate::kernel::hardening::{LinearTable, RateFactor, TableOverTemperature};
 use crate::kernel::shape::quad_area;
+use crate::material::returns::characteristic_length;
 use crate::model::{MaterialDefinition, RateDependence};
 use crate::state::nodes::Node;
 
@@ -27,10 +28,13 @@ pub struct SolidProperties<'a> {
 }
 
 impl SolidProperties<'_> {
-    /// Returns the largest characteristic length of the elements, the square root of the area in the r-z plane.
+    /// Returns the largest characteristic length of the elements.
     pub fn longest_element(&self) -> f64 {
-        let area = |cell: [u32; 4]| quad_area(cell.map(|n| self.nodes[n as usize].place()));
-        self.connectivity.cells().into_iter().map(area).fold(0.0, f64::max).sqrt()
+        let length = |cell: [u32; 4]| {
+            let places = cell.map(|n| self.nodes[n as usize].place());
+            characteristic_length(quad_area(places), [0, 1].map(|i| places.map(|place| place[i])))
+        };
+        self.connectivity.cells().into_iter().map(length).fold(0.0, f64::max)
     }
 }
 

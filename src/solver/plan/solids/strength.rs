@@ -14,7 +14,8 @@ use crate::material::returns::law::StressReturn;
 use crate::material::returns::porous_metal::{PorousMetal, VoidFailure, VoidNucleation};
 use crate::material::returns::spall::SpallingSolid;
 use crate::model::{
-    DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure, tangent,
+    self, DruckerPragerHardening, MaterialDefinition, PlasticityModel, RateDependence, StrengthCards, TensileFailure,
+    tangent,
 };
 use crate::plan::Report;
 use crate::plan::solids::concrete::concrete_law;
@@ -122,7 +123,8 @@ fn law(solid: &SolidProperties) -> LawOrFault {
     } else if let Some((card, span)) = &cards.holmquist_johnson_cook {
         Box::new(holmquist_johnson_cook(&card.rows, *span)?)
     } else if cards.drucker_prager.is_some() || cards.drucker_prager_hardening.is_some() {
-        Box::new(drucker_prager(material)?)
+        let warning = cards.drucker_prager.as_ref().and_then(|(card, _)| unused_eccentricity(card));
+        return Ok(StrengthLaw { law: Box::new(drucker_prager(material)?), warning });
     } else if cards.cap.is_some() || cards.cap_hardening.is_some() {
         return cap(material);
     } else if cards.porous_metal.is_some() || cards.void_nucleation.is_some() || cards.porous_failure.is_some() {
@@ -339,6 +341,14 @@ fn yield_table(material: &MaterialDefinition, span: Span) -> Result<LinearTable,
     }
 }
 
+/// Returns the warning that the flow potential of the linear form has no rounding.
+fn unused_eccentricity(card: &model::DruckerPrager) -> Option<StrengthWarning> {
+    let eccentricity = card.eccentricity.filter(|_| card.form == 0)?;
+    let message = format!("ECCENTRICITY={eccentricity} has no effect with SHEAR CRITERION=LINEAR");
+    let help = "remove it, or give SHEAR CRITERION=HYPERBOLIC or EXPONENT FORM".into();
+    Some(StrengthWarning { code: "P140", message, help })
+}
+
 fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, StrengthFault> {
     let cards = &material.strength;
     let Some((card, span)) = &cards.drucker_prager else {
@@ -379,7 +389,7 @@ fn drucker_prager(material: &MaterialDefinition) -> Result<DruckerPrager, Streng
         return fault(*span, "the law supports *RATE DEPENDENT with POWER LAW or YIELD RATIO only", "");
     }
     let rate = rate_factor(material.rate.as_ref());
-    let eccentricity = card.eccentricity;
+    let eccentricity = card.eccentricity.unwrap_or(0.1);
     let law = DruckerPrager { shape, dilatancy, eccentricity, hardening, test, rate, moduli };
     if law.strength(0.0, 0.0) <= 0.0 {
         return fault(*span, "the cohesion is negative: tan(beta) is too large for this test", "");
