@@ -54,6 +54,6 @@ impl Diagnostics {
             }),
             help: d.help.clone(),
         };
-        self.iter().map(finding).collect()
+        self.iter().map(|diagnostic| finding(&diagnostic.shown(sources))).collect()
     }
 }

@@ -352,8 +352,8 @@ impl RunCommand {
 }
 
 /// Warnings that `--quiet` prints as well, because the results may be wrong: drift of the energy, hourglass energy, energies
-/// out of bounds, contact that creates energy.
-const DOUBTS: [&str; 4] = ["R301", "R302", "R303", "R304"];
+/// out of bounds, contact that creates energy; or incomplete: frames that no longer exist.
+const DOUBTS: [&str; 5] = ["R301", "R302", "R303", "R304", "K103"];
 
 /// Value or error of each quantity.
 type QuantityValues = IndexMap<String, Result<f64, String>>;
