@@ -17,6 +17,7 @@ install_packages() {
     installs && command -v apt-get >/dev/null && may_be_root || return 1
     [ -n "$updated" ] || as_root apt-get update -q >/dev/null || return 1
     updated=yes
+    echo "setup: apt-get install $*"
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >/dev/null
 }
 # ensure "what is left out" "command that succeeds if it is there" packages...
@@ -56,6 +57,7 @@ if [ -z "${REVOLVE_PYTHON:-}" ]; then
             mkdir -p target
             [ -x "$own/bin/python" ] || python3 -m venv "$own" 2>/dev/null ||
                 { install_packages python3-venv && python3 -m venv --clear "$own"; } || true
+            echo "setup: Python packages in target/python"
             if "$own/bin/python" -m pip install --quiet --disable-pip-version-check "${packages[@]}"; then
                 printf '%s\n' "${packages[@]}" >"$stamp"
             else

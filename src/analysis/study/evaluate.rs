@@ -485,35 +485,48 @@ impl SampleBatch<'_> {
     ) -> Option<SampleFailure> {
         let width = self.evaluator.width();
         let sample = &self.samples.values[row * width..(row + 1) * width];
-        let revised = worker.plan.as_mut().and_then(|plan| plan.revise(self.evaluator, sample).then_some(plan));
+        let mut revised = worker.plan.as_mut().and_then(|plan| plan.revise(self.evaluator, sample).then_some(plan));
         let is_staged = revised.as_ref().is_some_and(|plan| plan.staged.is_some());
-        let log = self.evaluator.log.as_ref().filter(|_| !is_staged).map(|(log, _)| log);
-        let key = log.map(|_| self.key(row, sample)).unwrap_or_default();
-        if let Some(run) = log.and_then(|log| log.known(&key)).filter(|run| run.values.len() == out.len()) {
-            out.copy_from_slice(&run.values);
-            return None;
-        }
-        let (begin, moving_before) = (Stopwatch::now(), self.evaluator.still_moving());
-        let result = match revised {
+        let run = &mut |out: &mut [f64]| match &mut revised {
             Some(plan) => plan.run(self, row, out, look),
             None => self.run_anew(row, sample, out, look),
         };
-        // A sample whose body still moves is counted, also when the command continues: it is run again.
-        let is_counted = self.evaluator.shots.is_none() && self.evaluator.still_moving() != moving_before;
-        if let Some(log) = log.filter(|_| result.is_ok() && !is_counted && !self.is_interrupted()) {
-            log.add(&key, &FinishedValues { values: out.to_vec(), warnings: Vec::new() }, begin.elapsed());
-        }
+        let result = match self.evaluator.log.as_ref().filter(|_| !is_staged) {
+            None => run(out),
+            Some((log, identity)) => self.run_listed(log, &self.key(identity, row, sample), out, run),
+        };
         result.err().map(|reason| {
             out.fill(f64::NAN);
             SampleFailure { row, reason }
         })
     }
 
+    /// Takes the results of a sample from a list of finished runs, or runs it and adds it to the list.
+    fn run_listed(
+        &self,
+        log: &RunLog,
+        key: &str,
+        out: &mut [f64],
+        run: &mut dyn FnMut(&mut [f64]) -> Result<(), StudyError>,
+    ) -> Result<(), StudyError> {
+        if let Some(known) = log.known(key).filter(|known| known.values.len() == out.len()) {
+            out.copy_from_slice(&known.values);
+            return Ok(());
+        }
+        let (begin, moving_before) = (Stopwatch::now(), self.evaluator.still_moving());
+        run(out)?;
+        // A sample whose body still moves is counted, also when the command continues: it is run again.
+        let is_counted = self.evaluator.shots.is_none() && self.evaluator.still_moving() != moving_before;
+        if !is_counted && !self.is_interrupted() {
+            log.add(key, &FinishedValues { values: out.to_vec(), warnings: Vec::new() }, begin.elapsed());
+        }
+        Ok(())
+    }
+
     /// Returns the key of a sample in a list of finished runs.
-    fn key(&self, row: usize, sample: &[f64]) -> String {
+    fn key(&self, identity: &str, row: usize, sample: &[f64]) -> String {
         let selection = format!("{:?}", self.evaluator.selections[row % self.evaluator.selections.len()]);
         let values: Vec<u8> = sample.iter().flat_map(|value| value.to_bits().to_le_bytes()).collect();
-        let identity = self.evaluator.log.as_ref().map_or("", |(_, identity)| identity);
         hash([identity.as_bytes(), selection.as_bytes(), &values])
     }
 
