@@ -1,8 +1,14 @@
 #!/usr/bin/env bash
-# All checks of the project: format, spelling, tests, lints, documentation. Lists at the end the checks that were left out.
+# All checks of the project: format, spelling, tests, lints, documentation. Installs first what they need (setup.sh), and
+# lists at the end the checks that were left out.
 # The tests of the program wait much, for processes and clocks; the other tests run at the same time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tests/setup.sh
+if [ -n "${CI:-}" ] && [ -n "$unavailable" ]; then
+    echo "$unavailable"
+    exit 1
+fi
 cargo fmt --all --check
 cargo clippy --release --workspace --all-targets --locked -- -D warnings
 cargo clippy --release --no-default-features --locked -- -D warnings
@@ -36,6 +42,7 @@ trap - EXIT
 tee -a target/tests.log <target/program.log
 [ "$passed" = 0 ] || exit "$passed"
 [ -z "$spelling" ] || echo "$spelling" >>target/tests.log
+printf %s "$unavailable" >>target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then

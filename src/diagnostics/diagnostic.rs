@@ -1,8 +1,11 @@
 //! Diagnostics: errors, warnings and notes with their places in the deck and a suggested correction.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
+use crate::printable::shortened;
 use crate::source::{Sources, Span};
+use crate::untrusted::is_restricted;
 
 /// Maximum number of places that one diagnostic shows.
 const MOST_PLACES: usize = 4;
@@ -58,7 +61,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// Creates a diagnostic without places and help.
     pub fn new(severity: Severity, code: &'static str, message: impl Into<String>) -> Self {
-        Diagnostic { severity, code, message: message.into(), labels: Vec::new(), help: None }
+        Diagnostic { severity, code, message: shortened(message.into()), labels: Vec::new(), help: None }
     }
 
     /// Creates an error: invalid or unsupported input, which prevents the run.
@@ -79,15 +82,33 @@ impl Diagnostic {
     /// Adds a place. The first one is the place of the problem, the others are related places.
     #[must_use]
     pub fn at(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.labels.push(SourceLabel { span, text: text.into() });
+        self.labels.push(SourceLabel { span, text: shortened(text.into()) });
         self
     }
 
     /// Sets the suggested correction.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
-        self.help = Some(text.into());
+        self.help = Some(shortened(text.into()));
         self
+    }
+}
+
+impl Diagnostic {
+    /// Returns the diagnostic as it is shown: with `--untrusted`, that of a place in an included file has no words of its own,
+    /// for they may be those of the file.
+    pub(crate) fn shown<'a>(&'a self, sources: &Sources) -> Cow<'a, Diagnostic> {
+        let is_included = |label: &SourceLabel| sources.file(label.span).is_some_and(|file| file.included_at.is_some());
+        if !is_restricted() || !self.labels.iter().any(is_included) {
+            return Cow::Borrowed(self);
+        }
+        let place = |label: &SourceLabel| SourceLabel { span: label.span, text: "here".into() };
+        Cow::Owned(Diagnostic {
+            message: "a finding in an included file".into(),
+            labels: self.labels.iter().map(place).collect(),
+            help: Some(format!("`revolve explain {}` describes it; words of included files are not shown", self.code)),
+            ..self.clone()
+        })
     }
 }
 

@@ -7,6 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 use revolve_numerics::platform::{special_file, without_waiting};
 
+use crate::untrusted::{is_open_outside, is_restricted};
+
 /// Bytes that a file may have beyond its reported length. Files in virtual file systems report a length of zero.
 const SLACK: u64 = 1 << 26;
 
@@ -30,7 +32,23 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// # Errors
 /// Fails like [`open`], and if there is not enough memory, or if the file is longer than its reported length.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    read_opened(open(path)?)
+}
+
+/// Reads a file that a deck in `folder` names. A restricted process reads it only if the file that has been opened is in the
+/// folder or below it: links that change after a check of the path have no effect.
+///
+/// # Errors
+/// Fails like [`read`], and if the file is outside.
+pub fn read_below(folder: &Path, path: &Path) -> io::Result<Vec<u8>> {
     let file = open(path)?;
+    if is_restricted() && is_open_outside(folder, path, &file) {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "it is not in the folder of the deck"));
+    }
+    read_opened(file)
+}
+
+fn read_opened(file: File) -> io::Result<Vec<u8>> {
     let length = file.metadata()?.len();
     let mut bytes = Vec::new();
     let room = usize::try_from(length).ok().and_then(|length| bytes.try_reserve_exact(length).ok());

@@ -50,6 +50,6 @@ impl Diagnostics {
             }),
             help: d.help.clone(),
         };
-        self.iter().map(finding).collect()
+        self.iter().map(|diagnostic| finding(&diagnostic.shown(sources))).collect()
     }
 }

@@ -20,6 +20,6 @@ pub mod whole;
 
 pub use diagnostic::{Correction, Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
-pub use printable::printable;
+pub use printable::{printable, shortened};
 pub use revolve_numerics::codes::DiagnosticCode;
 pub use source::{OpenTexts, Sources, Span};

@@ -21,7 +21,7 @@ pub fn render(list: &[Diagnostic], sources: &Sources, styled: bool) -> String {
     for severity in [Severity::Error, Severity::Warning, Severity::Note] {
         let of_severity: Vec<&Diagnostic> = list.iter().filter(|d| d.severity == severity).collect();
         for diagnostic in of_severity.iter().take(MOST) {
-            text += &renderer.render(&[group(diagnostic, sources)]);
+            text += &renderer.render(&[group(&diagnostic.shown(sources), sources)]);
             text += "\n\n";
         }
         if of_severity.len() > MOST {

@@ -1,8 +1,11 @@
 //! Restrictions of a process that reads decks from unknown sources: `--untrusted`, `REVOLVE_UNTRUSTED=1`.
 
+use std::fs::File;
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+
+use revolve_numerics::platform::is_still;
 
 /// Environment variable that turns the restrictions on.
 pub const VARIABLE: &str = "REVOLVE_UNTRUSTED";
@@ -60,6 +63,12 @@ fn is_outside(folder: &Path, file: &Path) -> bool {
     }
 }
 
+/// Returns whether a file that has been opened by a path is neither in a folder nor below it.
+pub(crate) fn is_open_outside(folder: &Path, path: &Path, file: &File) -> bool {
+    // The path without links must still lead to the open file.
+    path.canonicalize().map_or(true, |path| is_outside(folder, &path) || !is_still(file, &path))
+}
+
 /// Returns an absolute path without `..`.
 fn resolved(file: &Path) -> Option<PathBuf> {
     let mut path = PathBuf::new();
@@ -76,7 +85,7 @@ fn resolved(file: &Path) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    use super::is_outside;
+    use super::{is_open_outside, is_outside};
 
     #[test]
     fn files_below_the_folder_are_inside() {
@@ -99,6 +108,14 @@ mod tests {
             let link = folder.join("link.inc");
             std::os::unix::fs::symlink("/etc/hostname", &link).expect("a link");
             assert!(is_outside(&folder, &link));
+            // A path that led into the folder when it was checked, and outside when it was opened, or the other way round.
+            let path = folder.join("a.inc");
+            std::fs::write(&path, "text").expect("a file");
+            let [inside, outside] = [&path, &link].map(|path| std::fs::File::open(path).expect("a file"));
+            assert!(!is_open_outside(&folder, &path, &inside));
+            assert!(is_open_outside(&folder, &link, &outside));
+            assert!(is_open_outside(&folder, &link, &inside));
+            assert!(is_open_outside(&folder, &path, &outside));
         }
     }
 }

@@ -144,6 +144,7 @@ pub fn sensitivity(
             names: &parameters,
             steps: &steps,
             jitter,
+            log: None,
             in_increments: false,
             threads,
             interrupt: &waiting.interrupt,

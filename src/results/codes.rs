@@ -1,11 +1,9 @@
 //! Diagnostic codes of checkpoints and result folders (`K…`), for `revolve explain`.
 
-use revolve_numerics::codes;
+use revolve_diagnostics::codes_with_effects;
 
-use revolve_diagnostics::DiagnosticCode;
-
-/// Diagnostic codes of writing results.
-pub const CODES: &[DiagnosticCode] = codes! {
+codes_with_effects! {
+    /// Diagnostic codes of writing results.
     "K001" "damaged checkpoint" "`--resume` reads `<job>.checkpoint` in the folder of the results. The file is not a checkpoint, is incomplete, or has changed, so that its SHA-256 checksum does not match. The program writes checkpoints atomically and never leaves an incomplete one."
     "K002" "checkpoint of another version" "Versions may differ in the format of the state and in the last bits of results. Continue a run with the version that started it."
     "K003" "checkpoint of another deck" "The text of the deck, of a file that it includes, or its mesh has changed since the run began. The saved state cannot be interpreted with the new deck."
@@ -19,6 +17,6 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "K012" "results larger than permitted" "With `--untrusted` or REVOLVE_UNTRUSTED=1 the frames, histories and the restart file of a run may have at most 2 GB, counted without compression. Write fewer frames or fewer variables, or use `--no-frames`."
     "K101" "no checkpoint" "`--resume` found no `<job>.checkpoint` in the results folder, so the run starts from the beginning. A checkpoint is written if the deck contains *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run. It is removed when the run is complete."
     "K102" "user memory is missing in the checkpoint" "A checkpoint does not contain all memory of the user subroutines. K009 lists the data that cannot be saved, and `--resume` rejects such a checkpoint. A subroutine can save such data itself: vexternaldb receives lWriteRestart = 1 if a checkpoint follows the increment, and lOp = 0 with kInc above 0 if a run continues (`--resume-anyway`). For subroutines in Rust only data that they explicitly save is included."
-    "K103" "frames are missing" "Frames that were written before the checkpoint are no longer in the folder, or are empty after a power failure. The run continues, and the series still lists these frames."
+    "K103" [Suspect "revolve run"] "frames are missing" "Frames that were written during the run, or before the checkpoint of a restart, are no longer in the folder, or are empty after a power failure. The run continues, and the series still lists these frames."
     "K104" "no checkpoint at the time limit" "At the time limit of a job, Slurm sends SIGTERM to the processes of its batch script, and SIGKILL after `KillWait` seconds (30 by default). A shell that runs the program as an ordinary command ends at SIGTERM. The job step then ends with the shell, and the program is killed at once. Start the program with `exec revolve run ...` or `srun revolve run ...`, or write checkpoints during the run with `--checkpoint-every 10m`. The note is omitted if the script handles SIGTERM (`trap`)."
-};
+}

@@ -241,15 +241,16 @@ impl JobFiles {
     }
 }
 
-/// Writes the summary as `<job>.json`; returns its checksum.
+/// Writes the list of checksums and then the summary `<job>.json`: a summary exists only if all other files are complete.
 ///
 /// # Errors
-/// If the file cannot be written.
-pub fn write_summary<T: Serialize>(job: &JobFiles, summary: &T) -> io::Result<u32> {
+/// If a file cannot be written; the message contains the path.
+pub fn write_summary<T: Serialize>(job: &JobFiles, summary: &T, mut sums: sums::Checksums) -> io::Result<()> {
     let mut text = serde_json::to_string_pretty(summary)?;
     text.push('\n');
-    write_whole(&job.path(".json"), text.as_bytes())?;
-    Ok(sums::sum(text.as_bytes()))
+    sums.add(job, ".json", text.as_bytes());
+    sums.write(job, sums::SUMS)?;
+    write_whole(&job.path(".json"), text.as_bytes())
 }
 
 /// Writes files of a job, given by suffix and bytes, and a checksum file with the suffix `list`.

@@ -68,6 +68,11 @@ impl EditorClient {
         write!(input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("the server reads");
     }
 
+    /// Sends a text that need not be a message.
+    pub fn send_text(&mut self, text: &str) {
+        self.input.as_mut().expect("an open session").write_all(text.as_bytes()).expect("the server reads");
+    }
+
     /// Sends a notification.
     pub fn notify(&mut self, method: &str, params: Value) {
         self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));

@@ -63,3 +63,22 @@ fn changes_of_files_on_disk_are_watched() {
     client.wait_for(&uri(&main), |found| found.iter().all(|d| d["code"] != "D002"));
     assert!(client.finish().is_ok());
 }
+
+/// Codes of JSON-RPC 2.0, section 5.1. The session continues after each malformed message.
+#[test]
+fn malformed_messages_are_answered_and_the_session_continues() {
+    let mut client = EditorClient::start(&["utf-16"], json!({}));
+    let framed = |text: &str| format!("Content-Length: {}\r\n\r\n{text}", text.len());
+    for (text, code) in [
+        (framed("{\"id\": 1"), -32700),
+        (framed("[[]]"), -32600),
+        ("no header\r\n".to_owned(), -32700),
+        ("Content-Length: -3\r\n\r\n".to_owned(), -32700),
+        (format!("Content-Length: 400000000\r\n\r\n{}", " ".repeat(400_000_000)), -32600),
+    ] {
+        client.send_text(&text);
+        let answer = client.receive();
+        assert!(answer["error"]["code"] == code && answer["id"].is_null(), "{text:.40}: {answer}");
+    }
+    assert_eq!(client.request("shutdown", json!(null)), Ok(json!(null)));
+}

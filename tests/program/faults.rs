@@ -17,18 +17,18 @@ use revolve::output::checkpoint::Checkpoint;
 use crate::common::fortran;
 
 /// A deck with its settings, its undisturbed run time and its results.
-struct FaultCase {
+pub struct FaultCase {
     name: &'static str,
     arguments: Vec<String>,
     /// Folder of compiled user subroutines.
     cache: PathBuf,
     seconds: f64,
-    results: BTreeMap<String, Vec<u8>>,
+    pub results: BTreeMap<String, Vec<u8>>,
 }
 
 impl FaultCase {
     /// Runs the deck undisturbed.
-    fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> FaultCase {
+    pub fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> FaultCase {
         let mut arguments = vec!["run".to_owned(), deck.to_str().expect("a name").to_owned(), "--quiet".into()];
         arguments.extend(more.iter().map(|a| (*a).to_owned()));
         let mut case =
@@ -39,7 +39,6 @@ impl FaultCase {
         case.seconds = begin.elapsed().as_secs_f64();
         assert!(status.success(), "{name}: {status}");
         case.results = results(&folder);
-        assert!(case.results.keys().filter(|n| n.ends_with(".vtu")).count() >= 20, "{name}");
         case
     }
 
@@ -47,7 +46,7 @@ impl FaultCase {
         self.command(Command::new(env!("CARGO_BIN_EXE_revolve")), folder, more).spawn().expect("the program runs")
     }
 
-    fn command(&self, mut command: Command, folder: &Path, more: &[&str]) -> Command {
+    pub fn command(&self, mut command: Command, folder: &Path, more: &[&str]) -> Command {
         command.args(&self.arguments).arg("--out").arg(folder).args(more).current_dir(env!("CARGO_MANIFEST_DIR"));
         command.env("XDG_CACHE_HOME", &self.cache).stdout(Stdio::null()).stderr(Stdio::null());
         command
@@ -61,7 +60,7 @@ impl FaultCase {
     }
 
     /// Resumes the run to its end and compares all files.
-    fn resume(&self, folder: &Path, threads: &str) {
+    pub fn resume(&self, folder: &Path, threads: &str) {
         let status = self.start(folder, &["--resume", "--threads", threads]).wait().expect("a status");
         assert!(status.success(), "{}: {status}", self.name);
         let results = results(folder);
@@ -74,7 +73,7 @@ impl FaultCase {
 
     /// Asserts that every file is complete and every listed frame equals that of the undisturbed run; returns their
     /// number.
-    fn check(&self, folder: &Path) -> usize {
+    pub fn check(&self, folder: &Path) -> usize {
         let Ok(entries) = fs::read_dir(folder) else { return 0 };
         let names: Vec<String> =
             entries.map(|e| e.expect("an entry").file_name().to_str().expect("a name").to_owned()).collect();
@@ -116,7 +115,7 @@ fn rows_begin(all: &[u8], rows: &[u8]) -> bool {
 }
 
 /// Returns all files of a folder, without the times in the summary and without the checksum of the summary.
-fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut results = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -231,6 +230,9 @@ fn kill(times: usize, seed: u64) {
 }
 
 fn kill_cases(times: usize, seed: u64, cases: &[FaultCase], scratch: &Path) {
+    for case in cases {
+        assert!(case.results.keys().filter(|n| n.ends_with(".vtu")).count() >= 20, "{}", case.name);
+    }
     let mut dice = RandomNumbers(seed);
     let (mut runs, mut kills, mut tries) = (0, 0, 0);
     while runs < times {

@@ -466,3 +466,62 @@ fn refused_report(folder: &Path, kind: &str) {
     assert_eq!(page.status.code(), Some(2), "{kind}: {}", message_text(&page));
     assert!(!page.stderr.is_empty());
 }
+
+/// Messages cut long names, and name the limit that a deck exceeds.
+#[test]
+fn messages_on_excessive_input_are_short_and_name_the_limit() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path();
+    let name = "N".repeat(5_000_000);
+    let bar = fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
+    let domain = "*Dynamic, Explicit\n , 80.e-6\n*Adaptive Mesh, elset=BAR, mesh sweeps=1000000000\n";
+    let sweeps = bar.replace("*Dynamic, Explicit\n , 80.e-6\n", domain);
+    let nodes = "*Heading\n*Node\n 1, 0., 0.\n 20000000, 1., 0.\n*Ngen, nset=ALL\n 1, 20000000, 1\n".to_owned();
+    let cases = [
+        (format!("*Heading\n*{name}\n"), "unknown keyword"),
+        (format!("*Heading\n*Node, {name}=1\n 1, 0., 0.\n"), "no parameter NNN"),
+        (format!("*Heading\n*Node\n 1, 0., 0.\n*Nset, nset=A\n {name}\n"), "no node set or node `NNN"),
+        (format!("*Heading\n*Node\n 1, {}x, 0.\n", "9".repeat(5_000_000)), "D301"),
+        (sweeps, "at most 1000"),
+        (nodes, "the limit of the process (ulimit -v) is"),
+    ];
+    for (deck, expected) in cases {
+        fs::write(folder.join("long.inp"), deck).expect("a deck");
+        let mut command = Command::new("sh");
+        let limits = "ulimit -v 1500000; exec timeout -k 5 100 \"$0\" check long.inp";
+        command.args(["-c", limits, env!("CARGO_BIN_EXE_revolve")]).current_dir(folder);
+        let output = command.output().expect("the program runs");
+        let shown = message_text(&output);
+        assert!(output.status.code() == Some(2) && shown.contains(expected), "{expected}: {shown:.2000}");
+        assert!(shown.len() < 5000, "{expected}: {} bytes", shown.len());
+    }
+}
+
+/// Restricted commands show no words of included files, as text and as JSON.
+#[test]
+fn untrusted_commands_show_no_words_of_included_files() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path();
+    let bar = fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
+    let deck = bar.replace("*Initial Conditions", "*Include, input=own.inc\n*Initial Conditions");
+    fs::write(folder.join("bar.inp"), deck).expect("a deck");
+    for text in [
+        "*Privatecard\n",
+        "*Nset, nset=A, private=3\n",
+        "*Nset, nset=A\n PRIVATE\n",
+        "*Material, name=PRIVATE\n*Density\n private\n",
+        "*Amplitude, name=PRIVATE\n 0., private\n",
+        "*Include, input=private.inc\n",
+    ] {
+        fs::write(folder.join("own.inc"), text).expect("a file");
+        for more in [&[][..], &["--json"]] {
+            let is_shown = |output: &Output| message_text(output).to_lowercase().contains("private");
+            let words = [&["check", "bar.inp"], more].concat();
+            assert!(is_shown(&output(folder, &words)), "{text}");
+            let restricted = output(folder, &[&words[..], &["--untrusted"]].concat());
+            let shown = message_text(&restricted);
+            assert!(!is_shown(&restricted) && shown.contains("own.inc"), "{text}: {shown}");
+            assert_eq!(restricted.status.code(), Some(2), "{text}: {shown}");
+        }
+    }
+}

@@ -94,12 +94,14 @@ impl IdentifyCommand {
         let labels = self.search.results.labels.checked(parameters.iter().chain(&data.series))?;
         let evaluator = self.search.evaluator(parameters, data.parsed_quantities()?, &routines)?;
         let (job, _lock) = self.search.job()?;
-        let problem = IdentificationProblem::new(evaluator, &data, &unknowns, self.search.threads());
+        let log = self.search.resume.log(&job)?;
+        let problem = IdentificationProblem::new(evaluator.logged(&log)?, &data, &unknowns, self.search.threads());
         let fits = problem.fit(self.starts as usize)?;
         let posterior = self.posterior.map(|effective| self.sample(&problem, &fits.best, effective)).transpose()?;
         let results = IdentificationResults { data: &data, names, fits, posterior };
         let object = results.json();
         results.write(&job, &object, &labels)?;
+        self.search.end_log(&log);
         let lines = self.lines(&results, &job);
         self.search.print(&results.table(NumberFormat::Rounded), &lines);
         self.search.output.print_json(&object)?;

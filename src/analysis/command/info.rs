@@ -1,6 +1,7 @@
 //! The commands `revolve info`, which prints what produced a result, and `revolve rerun`, which produces it again.
 
 use std::error::Error;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,13 +9,13 @@ use serde::Deserialize;
 
 use super::line::{ProgramArguments, ProgramCommand};
 use super::options::OutputOptions;
-use super::words::{self, print_out};
+use super::words::{self, print_err, print_out};
 use super::{CommandStatus, outcome};
 use crate::deck::digest::sha256;
 use crate::deck::files;
 use crate::job::{InputFile, InputKind, Provenance, RunVerdict, read_copies};
-use crate::output::INPUT;
 use crate::output::columns::aligned_table;
+use crate::output::{INPUT, write_whole};
 use clap::Parser as _;
 
 /// Show what produced a result: program, command, machine and input with hashes.
@@ -150,7 +151,8 @@ impl FoundRun {
         let input = &self.run.provenance.input;
         let depth = input.iter().map(upward).max().unwrap_or(0);
         let base = (0..depth).fold(folder.to_owned(), |base, level| base.join(format!("level{level}")));
-        std::fs::create_dir_all(&base)?;
+        let cannot = |path: &Path, error: io::Error| format!("cannot write {}: {error}", path.display());
+        std::fs::create_dir_all(&base).map_err(|error| cannot(&base, error))?;
         let copies = read_copies(&self.folder.join(format!("{}{INPUT}", self.job)))?;
         let mut restored = RestoredInput { deck: PathBuf::new(), user: Vec::new() };
         for (at, file) in input.iter().enumerate() {
@@ -172,8 +174,9 @@ impl FoundRun {
                 return Err(format!("{} is not the file that the run has read", file.file).into());
             }
             if !is_elsewhere {
-                std::fs::create_dir_all(place.parent().unwrap_or(folder))?;
-                std::fs::write(&place, &contents)?;
+                let parent = place.parent().unwrap_or(folder);
+                std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
+                write_whole(&place, &contents).map_err(|error| error.to_string())?;
             }
             match file.kind {
                 InputKind::Deck => restored.deck = place,
@@ -184,8 +187,8 @@ impl FoundRun {
         Ok(restored)
     }
 
-    /// Repeats the run; returns the new digest.
-    fn repeat(&self, out: &Path) -> Result<String, Box<dyn Error>> {
+    /// Repeats the run and returns it.
+    fn repeat(&self, out: &Path) -> Result<RecordedRun, Box<dyn Error>> {
         let restored = self.restore(&out.join("input"))?;
         let words = self.run.provenance.command.clone();
         if words.is_empty() {
@@ -197,7 +200,7 @@ impl FoundRun {
         };
         command.moved(words, (restored.deck, out.to_owned()), restored.user).execute()?;
         let run = find_runs(out)?.into_iter().next().ok_or("the run has no summary")?;
-        Ok(run.run.digest)
+        Ok(run.run)
     }
 }
 
@@ -216,9 +219,14 @@ impl RerunCommand {
         if place(&out).is_some() && place(&out) == place(&found.folder) {
             return Err("the results would be replaced; choose another folder with --out".into());
         }
-        let digest = found.repeat(&out)?;
-        let is_same = digest == found.run.digest;
+        let repeated = found.repeat(&out)?;
+        let is_same = repeated.digest == found.run.digest;
         print_out!("rerun: the digest is {}", if is_same { "that of the run" } else { "another one" });
-        Ok(CommandStatus::of(is_same))
+        // After a file that could not be written, the new folder is incomplete.
+        let ends_alike = repeated.status == found.run.status;
+        if !ends_alike {
+            print_err!("rerun: the run is {}, the new one {}", found.run.status, repeated.status);
+        }
+        Ok(CommandStatus::of(is_same && ends_alike))
     }
 }

@@ -87,13 +87,15 @@ impl LimitCommand {
         let labels = self.search.results.labels.checked(limit::AXES)?;
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
+        let log = self.search.resume.log(&job)?;
+        let evaluator = evaluator.logged(&log)?;
         let limit_velocity = limit::find(request, &mut |velocities| {
             limit::fire(request, &evaluator, velocities, &[], self.search.threads())
         })?;
         let Some(bracket) = limit_velocity.bracket else { return Err(no_limit(&limit_velocity).into()) };
         let drawn = match inputs.names.is_empty() {
             true => None,
-            false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?)?),
+            false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?.logged(&log)?)?),
         };
         let scattered = drawn.as_ref().map(|drawn| &drawn.0);
         let table = |format| table(&limit_velocity, bracket, scattered, format);
@@ -107,6 +109,7 @@ impl LimitCommand {
         let mut charts = vec![(String::new(), limit::chart(&job.name, &limit_velocity, scattered))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts, &labels)?;
+        self.search.end_log(&log);
         self.search.print(&table(NumberFormat::Rounded), &lines(&limit_velocity, bracket, scattered, &job));
         self.search.output.print_json(&object)?;
         Ok(CommandStatus::of(is_decided(&limit_velocity) && scattered.is_none_or(|s| s.lost == 0)))
@@ -124,6 +127,8 @@ impl LimitCommand {
         let labels = self.search.results.labels.checked([&name[..], limit::AXES[0]])?;
         let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
         let (job, _lock) = self.search.job()?;
+        let log = self.search.resume.log(&job)?;
+        let evaluator = evaluator.logged(&log)?;
         let find = |value: f64| {
             let threads = self.search.threads();
             let fire = &mut |velocities: &[f64]| limit::fire(request, &evaluator, velocities, &[value], threads);
@@ -135,6 +140,7 @@ impl LimitCommand {
         let others = vec![search::json_file("limit", &object)?, shots_file(Some(&name), &each)];
         let charts = [(String::new(), limit::map_chart(&job.name, &name, &limits))];
         write_results(&job, "limit", &table_over(&name, &limits, NumberFormat::Exact), others, &charts, &labels)?;
+        self.search.end_log(&log);
         let files = files_line(limits.iter().map(|(_, limits)| limits.shots.len()).sum(), &job);
         let more = limits.iter().flat_map(|(value, limits)| {
             warnings(limits).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))

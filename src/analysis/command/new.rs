@@ -3,7 +3,7 @@
 use super::CommandStatus;
 use std::error::Error;
 use std::fs::OpenOptions;
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -74,6 +74,11 @@ impl NewCommand {
 
 /// Writes a new file; an existing file is not overwritten.
 fn write_new(path: &Path, text: &str) -> Result<(), String> {
-    let write = || OpenOptions::new().write(true).create_new(true).open(path)?.write_all(text.as_bytes());
-    write().map_err(|e| format!("cannot write {}: {e}", path.display()))
+    let cannot = |e: io::Error| format!("cannot write {}: {e}", path.display());
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(cannot)?;
+    file.write_all(text.as_bytes()).map_err(|e| {
+        // An incomplete deck must not be taken for a complete one.
+        let _ = std::fs::remove_file(path);
+        cannot(e)
+    })
 }

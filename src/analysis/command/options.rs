@@ -1,18 +1,21 @@
 //! Options that several commands have. Each is defined once.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 
-use super::words::print_out;
+use super::words::{print_err, print_out};
 use super::{UserFiles, pairs, threads};
 use crate::deck::{self, CURVE_SETTING};
 use crate::job::{self, JobError};
 use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
 use crate::report::QuantityLabels;
+use crate::study::StudyError;
+use crate::study::log::RunLog;
 use crate::user::thread_pool;
 
 /// Returns the parser of the path of a deck, whose ending `.inp` may be left out.
@@ -108,6 +111,34 @@ pub struct FolderOption {
     /// Result folder (default: out/<deck name>).
     #[arg(short, long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+}
+
+/// Continuation of a command that makes many runs.
+#[derive(Args, Clone, Copy)]
+pub struct ResumeOption {
+    /// Continue an interrupted command: runs that have finished are not repeated.
+    #[arg(long)]
+    resume: bool,
+}
+
+impl ResumeOption {
+    /// Begins the list of finished runs of a job.
+    ///
+    /// # Errors
+    /// If the list cannot be read or written.
+    pub fn log(self, job: &JobFiles) -> Result<Arc<RunLog>, StudyError> {
+        RunLog::begin(job, self.resume).map(Arc::new)
+    }
+
+    /// Removes the list after the results have been written, and prints how many runs were taken from it.
+    pub fn end(self, log: &RunLog, is_silent: bool) {
+        if let Some(warning) = log.finish() {
+            print_err!("warning: {warning}");
+        }
+        if self.resume && !is_silent {
+            print_out!("{}", log.reused());
+        }
+    }
 }
 
 /// Suppression of informational output.

@@ -65,6 +65,8 @@ impl ScatterCommand {
         let routines = self.search.routines()?;
         let evaluator = self.search.evaluator(inputs.names.clone(), quantities, &routines)?;
         let (job, _lock) = self.search.job()?;
+        let log = self.search.resume.log(&job)?;
+        let evaluator = evaluator.logged(&log)?;
         let request = ScatterRequest {
             sampling: self.sampling,
             count: self.count as usize,
@@ -86,6 +88,7 @@ impl ScatterCommand {
             let object = self.json(&exact, runs, &results);
             let others = vec![search::json_file("scatter", &object)?];
             write_results(&job, "scatter", &exact, others, &self.charts(&job.name, &results), &labels)?;
+            self.search.end_log(&log);
             self.search.print(&self.table(&inputs, &results, NumberFormat::Rounded), &self.lines(runs, &job));
             self.search.output.print_json(&object)?;
         }

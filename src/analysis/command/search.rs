@@ -8,13 +8,14 @@ use crate::job::JobError;
 use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
 use crate::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
+use crate::study::log::RunLog;
 use crate::study::quantity::Quantity;
 use crate::study::statistics::IntervalEstimate;
 use crate::study::table::{TextTable, number};
 use crate::user::compile::Compiled;
 use clap::Args;
 
-use super::options::{OutputOptions, ResultOptions, SetOption};
+use super::options::{OutputOptions, ResultOptions, ResumeOption, SetOption};
 use super::words::{print_err, print_out};
 use super::{AlreadyPrinted, ResultFile, UserFiles, print_table};
 
@@ -32,6 +33,8 @@ pub struct SearchArguments {
     /// unbounded layers are solved by stages.
     #[arg(long)]
     pub in_increments: bool,
+    #[command(flatten)]
+    pub resume: ResumeOption,
     #[command(flatten)]
     pub results: ResultOptions,
     #[command(flatten)]
@@ -85,6 +88,11 @@ impl SearchArguments {
         let user = routines.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
         let evaluator = SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?;
         Ok(if self.in_increments { evaluator.in_increments() } else { evaluator })
+    }
+
+    /// Removes the list of finished runs after the results have been written.
+    pub fn end_log(&self, log: &RunLog) {
+        self.resume.end(log, self.is_silent());
     }
 
     /// Prints a table and the lines below it, unless output is suppressed.

@@ -1,11 +1,13 @@
 //! The command `revolve sensitivity`: derivatives of quantities by deck parameters.
 
 use std::error::Error;
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
 use crate::job::ParameterOverrides;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::study::evaluate::DeckSource;
+use crate::study::log::RunLog;
 use crate::study::quantity::Quantity;
 use crate::study::sensitivity::{
     QuantitySensitivities, Sensitivity, SensitivityRequest, SensitivityResults, sensitivities,
@@ -53,14 +55,16 @@ impl SensitivityCommand {
         let settings = self.search.settings()?;
         let coarse_settings = self.coarse_settings(&settings)?;
         let (job, _lock) = self.search.job()?;
-        let mut results = self.differentiated(&quantities, &settings, &routines)?;
+        let log = self.search.resume.log(&job)?;
+        let mut results = self.differentiated(&quantities, &settings, &routines, &log)?;
         if let Some(settings) = coarse_settings {
-            results.compare_with(&self.differentiated(&quantities, &settings, &routines)?);
+            results.compare_with(&self.differentiated(&quantities, &settings, &routines, &log)?);
         }
         let object = json!(results);
         let others = vec![search::json_file("sensitivity", &object)?];
         let charts = charts(&job.name, &results);
         write_results(&job, "sensitivity", &table(&results, NumberFormat::Exact), others, &charts, &labels)?;
+        self.search.end_log(&log);
         let lines = [format!("{} runs; table {}", results.runs, job.path("_sensitivity.csv").display())];
         self.search.print(&table(&results, NumberFormat::Rounded), &lines);
         self.search.output.print_json(&object)?;
@@ -95,6 +99,7 @@ impl SensitivityCommand {
         quantities: &[Quantity],
         settings: &ParameterOverrides,
         routines: &CompiledRoutines,
+        log: &Arc<RunLog>,
     ) -> Result<SensitivityResults, Box<dyn Error>> {
         let request = SensitivityRequest {
             deck: &DeckSource::File(self.search.deck().to_owned()),
@@ -104,6 +109,7 @@ impl SensitivityCommand {
             names: &self.parameters,
             steps: &self.steps()?,
             jitter: self.jitter.map(usize::from),
+            log: Some(log),
             in_increments: self.search.in_increments,
             threads: self.search.threads(),
             interrupt: &AtomicUsize::new(0),

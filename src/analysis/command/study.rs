@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use crate::output::JobFiles;
+use crate::output::checkpoint::hash;
 use crate::report::QuantityLabels;
 use crate::study::StudyError;
 use crate::study::causes;
@@ -23,7 +24,7 @@ use crate::{deck, job, model};
 use clap::Args;
 
 use super::map::{self, MapOptions};
-use super::options::{CurvedOption, OutputOptions, ResultOptions, SetOption};
+use super::options::{CurvedOption, OutputOptions, ResultOptions, ResumeOption, SetOption};
 use super::words::{print_err, print_out};
 use super::{
     CommandStatus, ResultFile, UserFiles, accept, print_run_warnings, print_table, progress, report_failures,
@@ -76,6 +77,8 @@ pub struct StudyCommand {
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
     #[command(flatten)]
+    resume: ResumeOption,
+    #[command(flatten)]
     output: OutputOptions,
 }
 
@@ -106,8 +109,10 @@ impl StudyCommand {
         let model = model::build(&deck::read(&self.deck, &overrides).0).0;
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
+        let identity = self.identity(&first, &axes, compiled.as_ref());
         drop(first);
         let (job, _lock) = self.results.lock_job(&self.deck)?;
+        let log = self.resume.log(&job)?;
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.output.quiet.quiet);
         let count_run = || bar.inc(1);
@@ -115,10 +120,13 @@ impl StudyCommand {
         self.results.threads.start()?;
         let mut bench =
             StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &count_run);
+        bench.logged(&log, identity);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
-            return write_effects(&job, &quantity, &effects, self.output);
+            let status = write_effects(&job, &quantity, &effects, self.output)?;
+            self.resume.end(&log, self.output.is_silent());
+            return Ok(status);
         }
         let quiet = self.output.is_silent();
         let announce = |line: &str| {
@@ -144,6 +152,7 @@ impl StudyCommand {
         };
         bar.finish_and_clear();
         let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &completed)?;
+        self.resume.end(&log, quiet);
         if self.output.json {
             print_out!("{}", record.trim_end());
         } else if !quiet {
@@ -156,6 +165,17 @@ impl StudyCommand {
         print_run_warnings(&run_warnings(&axes, &completed.study));
         completed.study.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
         Ok(verdict(&completed))
+    }
+}
+
+impl StudyCommand {
+    /// Returns the hash of everything on which the runs and their order depend.
+    fn identity(&self, first: &job::PreparedJob, axes: &[StudyAxis], compiled: Option<&Compiled>) -> String {
+        let user = compiled.map(Compiled::identity).unwrap_or_default();
+        let modes = (self.ablate, self.around, self.repeat, self.jitter);
+        let options = (&self.quantity, &self.exact, &self.target);
+        let version = env!("CARGO_PKG_VERSION");
+        hash([format!("{:?} {axes:?} {options:?} {modes:?} {version}", first.identity(&user)).as_bytes()])
     }
 }
 

@@ -193,7 +193,9 @@ impl SweepCommand {
             sweep::run(&self.deck, (grid, &open_cases), quantities, compiled.as_deref(), kept, &record_case)
         });
         bar.finish_and_clear();
-        log.map_or(Ok(()), cases::SweepLog::finish)?;
+        if let Some(warning) = log.and_then(cases::SweepLog::finish) {
+            print_err!("warning: {warning}");
+        }
         known.extend(open_cases.into_iter().zip(run));
         let mut results = sweep::SweepResults::default();
         for (index, mut case) in known {
@@ -299,6 +301,7 @@ impl SweepCommand {
                 names: &names,
                 steps: &vec![None; names.len()],
                 jitter: None,
+                log: None,
                 in_increments: false,
                 threads: self.results.threads.count(),
                 interrupt: &AtomicUsize::new(0),

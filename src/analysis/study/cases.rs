@@ -1,15 +1,14 @@
 //! Parts of a sweep that separate processes run: selection of cases, part files, and gathering of the parts.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, Write as _};
+use std::fs;
+use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant as Stopwatch};
 
 use super::StudyError;
 use super::grid::CaseGrid;
+use super::log::{AppendedFile, complete_lines};
 use super::quantity::Quantity;
 use super::sweep::{CaseResult, SweepResults};
 use crate::deck::files;
@@ -20,8 +19,6 @@ const TASKS: [&str; 5] = ["SLURM_ARRAY_TASK_ID", "HQ_TASK_ID", "PBS_ARRAY_INDEX"
 const PART: &str = "_cases_";
 /// Ending of the list of finished cases of a running or interrupted sweep.
 pub const LOG: &str = "_cases_log.csv";
-/// Time between two writings of the list.
-const WRITE_EVERY: Duration = Duration::from_millis(500);
 const HEAD: &str = "# revolve sweep ";
 
 /// Selection of cases of a sweep; cases are numbered from 1.
@@ -153,12 +150,7 @@ impl SweepPart<'_> {
     pub fn begin_log(&self, job: &JobFiles, known: &BTreeMap<usize, CaseResult>) -> Result<SweepLog<'_>, StudyError> {
         let lines = known.iter().map(|(index, case)| self.line(*index, case.values.as_deref(), &case.warnings));
         let text = self.head() + &lines.collect::<String>();
-        let path = job.path(LOG);
-        let cannot = |e: io::Error| StudyError::Setting(format!("{}: {e}", path.display()));
-        whole::write_whole(&path, text.as_bytes()).map_err(cannot)?;
-        let file = fs::OpenOptions::new().append(true).open(&path).map_err(cannot)?;
-        let state = LogState { file, text: String::new(), written: Stopwatch::now(), failed: None };
-        Ok(SweepLog { part: self, path, state: Mutex::new(state) })
+        Ok(SweepLog { part: self, file: AppendedFile::begin(job.path(LOG), &text)? })
     }
 
     /// Reads the finished cases of an interrupted sweep; empty if there are none. A last line that is not complete is
@@ -169,13 +161,8 @@ impl SweepPart<'_> {
     pub fn finished(&self, job: &JobFiles) -> Result<BTreeMap<usize, CaseResult>, StudyError> {
         let path = job.path(LOG);
         let wrong = |message: String| StudyError::Setting(format!("{}: {message}", path.display()));
-        let text = match files::read_text(&path) {
-            Ok(text) => text,
-            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
-            Err(e) => return Err(wrong(e.to_string())),
-        };
-        let end = text.rfind('\n').map_or(0, |end| end + 1);
-        Ok(self.rows(&text[..end]).map_err(wrong)?.into_iter().collect())
+        let Some(text) = complete_lines(&path)? else { return Ok(BTreeMap::new()) };
+        Ok(self.rows(&text).map_err(wrong)?.into_iter().collect())
     }
 
     /// Writes the part file atomically.
@@ -250,46 +237,18 @@ impl SweepPart<'_> {
 /// List of the finished cases of a running sweep.
 pub struct SweepLog<'a> {
     part: &'a SweepPart<'a>,
-    path: PathBuf,
-    state: Mutex<LogState>,
-}
-
-struct LogState {
-    file: File,
-    /// Lines that are not written yet.
-    text: String,
-    written: Stopwatch,
-    failed: Option<io::Error>,
-}
-
-impl LogState {
-    fn write(&mut self) {
-        let written = self.file.write_all(self.text.as_bytes());
-        self.failed = self.failed.take().or(written.err());
-        self.text.clear();
-        self.written = Stopwatch::now();
-    }
+    file: AppendedFile,
 }
 
 impl SweepLog<'_> {
-    /// Adds a case; the lines are written every half second.
+    /// Adds a case.
     pub fn add(&self, index: usize, case: &CaseResult) {
-        let line = self.part.line(index, case.values.as_deref(), &case.warnings);
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        state.text += &line;
-        if state.written.elapsed() > WRITE_EVERY {
-            state.write();
-        }
+        self.file.add(&self.part.line(index, case.values.as_deref(), &case.warnings));
     }
 
-    /// Writes the remaining lines.
-    ///
-    /// # Errors
-    /// If a line could not be written.
-    pub fn finish(self) -> Result<(), StudyError> {
-        let mut state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        state.write();
-        state.failed.map_or(Ok(()), |e| Err(StudyError::Setting(format!("{}: {e}", self.path.display()))))
+    /// Writes the remaining lines. Returns a warning if a line could not be written.
+    pub fn finish(self) -> Option<String> {
+        self.file.finish()
     }
 }
 
@@ -403,7 +362,7 @@ mod tests {
         let failed = CaseResult { values: Err(StudyError::Reported("halted".into())), warnings: vec!["a, b".into()] };
         let log = part.begin_log(&job, &BTreeMap::from([(2, case(0.1 + 0.2))])).expect("a list");
         log.add(0, &failed);
-        log.finish().expect("written");
+        assert_eq!(log.finish(), None);
         let path = job.path(super::LOG);
         let text = std::fs::read_to_string(&path).expect("a list");
         // A process that was killed while it wrote a line.

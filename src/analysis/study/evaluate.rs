@@ -6,12 +6,13 @@ mod derivatives;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant as Stopwatch};
 
 pub use derivatives::{RELATIVE_ERROR, SampleDerivatives};
 
 use super::StudyError;
 use super::error::accepted;
+use super::log::{FinishedValues, RunLog};
 use super::passage::{self, PassageEnd};
 use super::quantity::{self, FinishedRun, Quantity};
 use super::shot::{self, ShotEnd, ShotResult, ShotRule};
@@ -22,6 +23,7 @@ use crate::job::{self, ParameterOverrides};
 use crate::model::revise::{self, RevisableNumber};
 use crate::model::{self, Model};
 use crate::output::RunHistory;
+use crate::output::checkpoint::hash;
 use crate::plan::revise::{PlanReviser, RevisablePlan};
 use crate::plan::{self, ColumnSource, CompiledModel, HistoryColumn, Plan, State, WriteSchedule};
 use crate::solve::{self, Instant, Progress, RunControl, RunEnd, Sink, SinkError, StagedShots};
@@ -96,6 +98,8 @@ pub struct SampleEvaluator {
     still_moving: AtomicUsize,
     /// Indices of the quantities that sample k evaluates, in entry k modulo the length.
     selections: Vec<Vec<usize>>,
+    /// List of finished samples, and the hash of everything else on which a sample depends.
+    log: Option<(Arc<RunLog>, String)>,
 }
 
 /// Table of samples: the parameter values of all runs.
@@ -160,6 +164,7 @@ impl SampleEvaluator {
             shots,
             still_moving,
             selections: vec![every_quantity],
+            log: None,
         })
     }
 
@@ -175,6 +180,25 @@ impl SampleEvaluator {
     #[must_use]
     pub fn in_increments(self) -> SampleEvaluator {
         SampleEvaluator { stepped: true, ..self }
+    }
+
+    /// Takes finished samples from a list and adds others to it. Shots by stages are not listed: they take microseconds.
+    ///
+    /// # Errors
+    /// If the deck cannot be read again.
+    pub(crate) fn logged(self, log: &Arc<RunLog>) -> Result<SampleEvaluator, StudyError> {
+        let prepared = accepted(job::prepare_read(self.source.read(&self.fixed), &self.user.routines()?))?;
+        let user = if let UserRoutines::Files(compiled) = &self.user { compiled.identity() } else { String::new() };
+        let quantities: Vec<&str> = self.quantities.iter().map(|quantity| quantity.text.as_str()).collect();
+        let description = format!(
+            "{:?} {:?} {quantities:?} {:?} {:?} {}",
+            prepared.identity(&user),
+            self.names,
+            self.stepped,
+            self.shots.map(|rule| rule.least),
+            env!("CARGO_PKG_VERSION")
+        );
+        Ok(SampleEvaluator { log: Some((Arc::clone(log), hash([description.as_bytes()]))), ..self })
     }
 
     /// Makes an evaluator of [`shots`](SampleEvaluator::shots). The first quantity, if there is one, is the residual
@@ -461,15 +485,49 @@ impl SampleBatch<'_> {
     ) -> Option<SampleFailure> {
         let width = self.evaluator.width();
         let sample = &self.samples.values[row * width..(row + 1) * width];
-        let revised = worker.plan.as_mut().and_then(|plan| plan.revise(self.evaluator, sample).then_some(plan));
-        let result = match revised {
+        let mut revised = worker.plan.as_mut().and_then(|plan| plan.revise(self.evaluator, sample).then_some(plan));
+        let is_staged = revised.as_ref().is_some_and(|plan| plan.staged.is_some());
+        let run = &mut |out: &mut [f64]| match &mut revised {
             Some(plan) => plan.run(self, row, out, look),
             None => self.run_anew(row, sample, out, look),
+        };
+        let result = match self.evaluator.log.as_ref().filter(|_| !is_staged) {
+            None => run(out),
+            Some((log, identity)) => self.run_listed(log, &self.key(identity, row, sample), out, run),
         };
         result.err().map(|reason| {
             out.fill(f64::NAN);
             SampleFailure { row, reason }
         })
+    }
+
+    /// Takes the results of a sample from a list of finished runs, or runs it and adds it to the list.
+    fn run_listed(
+        &self,
+        log: &RunLog,
+        key: &str,
+        out: &mut [f64],
+        run: &mut dyn FnMut(&mut [f64]) -> Result<(), StudyError>,
+    ) -> Result<(), StudyError> {
+        if let Some(known) = log.known(key).filter(|known| known.values.len() == out.len()) {
+            out.copy_from_slice(&known.values);
+            return Ok(());
+        }
+        let (begin, moving_before) = (Stopwatch::now(), self.evaluator.still_moving());
+        run(out)?;
+        // A sample whose body still moves is counted, also when the command continues: it is run again.
+        let is_counted = self.evaluator.shots.is_none() && self.evaluator.still_moving() != moving_before;
+        if !is_counted && !self.is_interrupted() {
+            log.add(key, &FinishedValues { values: out.to_vec(), warnings: Vec::new() }, begin.elapsed());
+        }
+        Ok(())
+    }
+
+    /// Returns the key of a sample in a list of finished runs.
+    fn key(&self, identity: &str, row: usize, sample: &[f64]) -> String {
+        let selection = format!("{:?}", self.evaluator.selections[row % self.evaluator.selections.len()]);
+        let values: Vec<u8> = sample.iter().flat_map(|value| value.to_bits().to_le_bytes()).collect();
+        hash([identity.as_bytes(), selection.as_bytes(), &values])
     }
 
     /// Runs a sample from the text of the deck, without a reusable plan.

@@ -8,12 +8,14 @@ use serde::Serialize;
 
 use super::StudyError;
 use super::error::accepted;
+use super::log::{FinishedValues, RunLog};
 use super::quantity::{self, FinishedRun, Quantity, QuantityValue};
 use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
 use super::table::duration;
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, ParameterOverrides, PreparedJob};
 use crate::model::Model;
+use crate::output::checkpoint::hash;
 use crate::user::compile::Compiled;
 
 /// Function that reads the deck with given parameter values.
@@ -39,6 +41,24 @@ pub struct StudyRunner<'a> {
     done: &'a dyn Fn(),
     spent: f64,
     limit: Option<TimeLimit<'a>>,
+    log: Option<StudyLog<'a>>,
+}
+
+/// List of the finished runs of a study, which always makes the same runs in the same order.
+struct StudyLog<'a> {
+    log: &'a RunLog,
+    /// Hash of everything on which the runs depend.
+    identity: String,
+    /// Number of settings so far.
+    settings: usize,
+}
+
+impl StudyLog<'_> {
+    /// Returns the key of the next setting.
+    fn next_key(&mut self, overrides: &ParameterOverrides) -> String {
+        self.settings += 1;
+        hash([self.identity.as_bytes(), &self.settings.to_le_bytes(), format!("{overrides:?}").as_bytes()])
+    }
 }
 
 /// Limit of the time of all runs.
@@ -73,6 +93,43 @@ pub struct StudyRun {
 }
 
 impl StudyRun {
+    /// Number of values of a run in a list of finished runs.
+    const NUMBERS: usize = 11;
+
+    /// Returns the values for a list of finished runs; `None` if the result is a field.
+    fn numbers(&self) -> Option<[f64; StudyRun::NUMBERS]> {
+        let [kinetic, internal] = self.energies;
+        let (whole, inside) = (self.seconds, self.loop_seconds);
+        Some([
+            self.found.number()?,
+            self.elements as f64,
+            self.increments as f64,
+            kinetic,
+            internal,
+            whole.median,
+            whole.min,
+            whole.max,
+            inside.median,
+            inside.min,
+            inside.max,
+        ])
+    }
+
+    /// Returns the run with these values and warnings; `None` if their number is wrong.
+    fn of(numbers: &[f64], warnings: &[String]) -> Option<StudyRun> {
+        let [found, elements, increments, kinetic, internal, times @ ..] = numbers else { return None };
+        let [median, min, max, inside_median, inside_min, inside_max] = *times else { return None };
+        Some(StudyRun {
+            found: QuantityValue::Number(*found),
+            warnings: warnings.to_vec(),
+            elements: *elements as usize,
+            increments: *increments as u64,
+            energies: [*kinetic, *internal],
+            seconds: TimeSpread { median, min, max },
+            loop_seconds: TimeSpread { median: inside_median, min: inside_min, max: inside_max },
+        })
+    }
+
     /// Returns elements and facets times increments: the cost of a run, independent of the machine.
     pub fn element_cycles(&self) -> f64 {
         self.elements as f64 * self.increments as f64
@@ -118,7 +175,13 @@ impl<'a> StudyRunner<'a> {
             done,
             spent: 0.0,
             limit: None,
+            log: None,
         }
+    }
+
+    /// Takes finished runs from a list and adds others to it; `identity` is the hash of deck and request.
+    pub fn logged(&mut self, log: &'a RunLog, identity: String) {
+        self.log = Some(StudyLog { log, identity, settings: 0 });
     }
 
     /// Sets the interrupt: a nonzero value halts the runs.
@@ -193,7 +256,12 @@ impl<'a> StudyRunner<'a> {
         let (overrides, edits) = self.setting(axes, values)?;
         let source = self.source;
         let run = |change: &ModelEdit| source.run(&overrides, &[&edits, std::slice::from_ref(change)], quantities);
-        let runs: Vec<_> = changes.par_iter().map(run).collect();
+        let listed = self.log.as_mut().map(|log| (log.next_key(&overrides), log.log));
+        let listed_run = |(index, change): (usize, &ModelEdit)| match &listed {
+            None => run(change),
+            Some((key, log)) => run_listed(log, &format!("{key}/{index}"), &mut || run(change)),
+        };
+        let runs: Vec<_> = changes.par_iter().enumerate().map(listed_run).collect();
         self.spent += begin.elapsed().as_secs_f64();
         runs.iter().for_each(|_| (self.done)());
         Ok(runs)
@@ -214,6 +282,22 @@ impl<'a> StudyRunner<'a> {
     }
 
     fn edited(&mut self, overrides: &ParameterOverrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
+        match self.log.as_mut().map(|log| (log.next_key(overrides), log.log)) {
+            None => self.repeated(overrides, edits),
+            Some((key, log)) => {
+                let mut runs = 0;
+                let found = run_listed(log, &key, &mut || {
+                    runs = self.repeat;
+                    vec![self.repeated(overrides, edits)]
+                });
+                (runs..self.repeat).for_each(|_| (self.done)());
+                found.into_iter().next().unwrap_or_else(|| Err(StudyError::Comparison("no run".into())))
+            }
+        }
+    }
+
+    /// Runs a setting as often as requested.
+    fn repeated(&mut self, overrides: &ParameterOverrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
         let (mut whole, mut inside) = (Vec::new(), Vec::new());
         let mut first = None;
         for _ in 0..self.repeat {
@@ -230,6 +314,29 @@ impl<'a> StudyRunner<'a> {
         let run = first.ok_or_else(|| StudyError::Comparison("no run".into()))?;
         Ok(StudyRun { seconds: TimeSpread::of(&mut whole), loop_seconds: TimeSpread::of(&mut inside), ..run })
     }
+}
+
+/// Returns the results of runs from a list of finished runs, or makes the runs and adds them to the list. Runs with fields and
+/// runs that fail are not listed.
+fn run_listed(
+    log: &RunLog,
+    key: &str,
+    run: &mut dyn FnMut() -> Vec<Result<StudyRun, StudyError>>,
+) -> Vec<Result<StudyRun, StudyError>> {
+    let listed = log
+        .known(key)
+        .map(|known| known.values.chunks(StudyRun::NUMBERS).map(|numbers| StudyRun::of(numbers, &known.warnings)));
+    if let Some(runs) = listed.and_then(Iterator::collect::<Option<Vec<StudyRun>>>) {
+        return runs.into_iter().map(Ok).collect();
+    }
+    let begin = Stopwatch::now();
+    let runs = run();
+    let numbers = runs.iter().map(|run| run.as_ref().ok()?.numbers()).collect::<Option<Vec<_>>>();
+    if let Some(numbers) = numbers {
+        let warnings = runs.iter().flatten().next().map(|run| run.warnings.clone()).unwrap_or_default();
+        log.add(key, &FinishedValues { values: numbers.concat(), warnings }, begin.elapsed());
+    }
+    runs
 }
 
 /// Returns the number of elements and facets of a run.

@@ -5,6 +5,7 @@ mod capabilities;
 mod checks;
 mod documents;
 mod publish;
+mod reader;
 mod requests;
 mod roots;
 mod state;
@@ -16,12 +17,13 @@ use lsp_server::Message;
 use thiserror::Error;
 
 use checks::{CheckResult, DeckChecker};
+use reader::{Incoming, ProtocolError};
 use state::{ServerState, SessionPhase};
 
 /// Error that ends the server.
 #[derive(Debug, Error)]
 pub enum EditorError {
-    /// A stream has failed, or the client has sent something that is no message.
+    /// A stream has failed.
     #[error("the connection to the editor failed: {0}")]
     Stream(#[from] io::Error),
     /// The client has ended the connection without the request `shutdown`.
@@ -32,6 +34,7 @@ pub enum EditorError {
 /// What the loop of the server waits for.
 enum ServerEvent {
     Received(Message),
+    Malformed(ProtocolError),
     /// The end of the messages, with its reason if it is an error.
     Closed(Option<io::Error>),
     Checked(Box<CheckResult>),
@@ -52,8 +55,9 @@ pub fn serve(input: impl BufRead + Send + 'static, output: impl Write) -> Result
 
 fn read_messages(mut input: impl BufRead, events: &Sender<ServerEvent>) {
     loop {
-        let (event, ends) = match Message::read(&mut input) {
-            Ok(Some(message)) => (ServerEvent::Received(message), false),
+        let (event, ends) = match reader::read(&mut input) {
+            Ok(Some(Incoming::Message(message))) => (ServerEvent::Received(message), false),
+            Ok(Some(Incoming::Malformed(error))) => (ServerEvent::Malformed(error), false),
             Ok(None) => (ServerEvent::Closed(None), true),
             Err(error) => (ServerEvent::Closed(Some(error)), true),
         };
@@ -81,6 +85,7 @@ fn run_loop(
         };
         match event {
             Some(ServerEvent::Received(message)) => state.receive(message),
+            Some(ServerEvent::Malformed(error)) => error.write(&mut output)?,
             Some(ServerEvent::Checked(result)) => state.take_result(*result),
             Some(ServerEvent::Closed(Some(error))) => return Err(error.into()),
             Some(ServerEvent::Closed(None)) | None => {

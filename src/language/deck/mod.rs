@@ -31,6 +31,7 @@ pub use parameters::{
 };
 pub use revolve_diagnostics::{
     Correction, Diagnostic, DiagnosticCode, Diagnostics, Finding, OpenTexts, Severity, Sources, Span, printable,
+    shortened,
 };
 pub use revolve_diagnostics::{
     codes_with_effects, diagnostic, digest, files, finding, lists, number, source, untrusted, verdict,

@@ -427,7 +427,10 @@ impl<'a> Parser<'a> {
     fn included_text(&self, path: &Path) -> std::io::Result<String> {
         match (self.open_texts)(path) {
             Some(text) => Ok(source::normalise(text)),
-            None => files::read(path).map(source::decode),
+            None => {
+                let deck = Span { file: 0, ..Span::default() };
+                files::read_below(self.deck.sources.folder(deck), path).map(source::decode)
+            }
         }
     }
 

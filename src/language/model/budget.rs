@@ -1,7 +1,7 @@
 //! Limits of the model size, summed over all cards. A card that exceeds a limit is reported before memory is allocated.
 
 use crate::deck::untrusted::{self, is_restricted};
-use crate::platform::memory_of_machine;
+use crate::platform::{MemoryLimit, memory_limit};
 
 /// Items whose total number in a model is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +23,14 @@ const MAX_ENTRIES: [u128; 2] = [20_000_000, 40];
 #[derive(Debug)]
 pub(super) struct SizeBudget {
     members: u64,
-    /// Memory of the machine in bytes.
-    memory: u128,
+    memory: MemoryLimit,
     pub reported: bool,
 }
 
 impl Default for SizeBudget {
     fn default() -> Self {
-        SizeBudget { members: 0, memory: memory_of_machine().unwrap_or(u128::MAX), reported: false }
+        let unknown = MemoryLimit { name: "the memory of the machine", bytes: u128::MAX };
+        SizeBudget { members: 0, memory: memory_limit().unwrap_or(unknown), reported: false }
     }
 }
 
@@ -53,11 +53,12 @@ impl SizeBudget {
         }
         counts[item as usize] = total;
         let bytes: u128 = counts.iter().zip(ITEMS).map(|(count, (_, bytes))| count * u128::from(bytes)).sum();
-        if bytes > self.memory {
+        if bytes > self.memory.bytes {
             return Err(format!(
-                "{total} {name} in all cards up to this one: the deck needs about {:.1} GB, and the machine has {:.1}",
+                "{total} {name} in all cards up to this one: the deck needs about {:.1} GB, and {} is {:.1} GB",
                 1e-9 * bytes as f64,
-                1e-9 * self.memory as f64
+                self.memory.name,
+                1e-9 * self.memory.bytes as f64
             ));
         }
         self.members = counts[2] as u64;
@@ -67,11 +68,12 @@ impl SizeBudget {
 
 #[cfg(test)]
 mod tests {
-    use super::{BudgetedItem, SizeBudget};
+    use super::{BudgetedItem, MemoryLimit, SizeBudget};
 
     #[test]
     fn counts_and_bytes_are_bounded_over_all_cards() {
-        let mut budget = SizeBudget { members: 0, memory: 1_000_000_000, reported: false };
+        let memory = MemoryLimit { name: "the limit", bytes: 1_000_000_000 };
+        let mut budget = SizeBudget { members: 0, memory, reported: false };
         let mut spend = |item, count, mesh| budget.spend(item, count, mesh);
         assert_eq!(spend(BudgetedItem::Members, 20_000_040, [1, 0]), Ok(()));
         let message = spend(BudgetedItem::Members, 1, [1, 0]).expect_err("too many");
@@ -79,7 +81,7 @@ mod tests {
         assert!(spend(BudgetedItem::Nodes, u128::MAX, [1, 0]).is_err());
         // 0.3 GB of list entries and 0.8 GB of elements.
         let message = spend(BudgetedItem::Elements, 1_100_000, [0, 0]).expect_err("too many bytes");
-        assert!(message.contains("about 1.1 GB, and the machine has 1.0"), "{message}");
+        assert!(message.contains("about 1.1 GB, and the limit is 1.0 GB"), "{message}");
         assert_eq!(spend(BudgetedItem::Elements, 900_000, [0, 0]), Ok(()));
     }
 }

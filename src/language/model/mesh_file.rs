@@ -7,10 +7,9 @@ use super::families::MeshReader;
 use super::mesh_data::{MeshCell, PlaneMesh};
 use super::names::{SetKind, qualified};
 use super::types::{ElementKind, ElementSide, ElementSurface};
-use super::vtk_file::read;
 use super::vtk_mesh::is_mesh_array;
 use super::{elements, nodes, sets};
-use super::{gmsh_file, inp_file};
+use super::{gmsh_file, inp_file, vtk_file};
 use crate::deck::{Card, Diagnostic, Span, files, untrusted};
 
 /// Help texts for files that cannot be read.
@@ -31,20 +30,24 @@ const OTHER_FORMATS: [(&str, &str); 7] = [
 const CONVERT: &str =
     "convert it to .msh, .inp or .vtu, for example `gmsh FILE -save -o mesh.msh` or `meshio convert FILE mesh.vtu`";
 
-/// Reads a mesh file by its extension.
+/// Reads a mesh file of a deck in `folder` by its extension.
 ///
 /// # Errors
 /// The reason, and a help text.
-fn read_any(path: &Path) -> Result<PlaneMesh, (String, &'static str)> {
+fn read_any(folder: &Path, path: &Path) -> Result<PlaneMesh, (String, &'static str)> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if let Some((_, format)) = OTHER_FORMATS.iter().find(|(other, _)| *other == ending) {
         return Err((format!("the format {format} is not supported"), CONVERT));
     }
-    let text = || files::read(path).map(lossy_text).map_err(|e| e.to_string());
+    let bytes = || files::read_below(folder, path).map_err(|e| e.to_string());
+    let text = || bytes().map(lossy_text);
     match ending.as_str() {
         "msh" => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, GMSH_HELP)),
         "inp" => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, INP_HELP)),
-        _ => read(path, &is_mesh_array).and_then(|mesh| mesh.into_listed().in_plane()).map_err(|why| (why, VTK_HELP)),
+        _ => {
+            let mesh = vtk_file::check_length(path).and_then(|()| vtk_file::parse(&bytes()?, &is_mesh_array));
+            mesh.and_then(|mesh| mesh.into_listed().in_plane()).map_err(|why| (why, VTK_HELP))
+        }
     }
 }
 
@@ -58,13 +61,14 @@ pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &C
     let Some(kind) = context.optional(card.value("TYPE"), elements::element_kind) else { return };
     let path = context.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
     let deck = Span { file: 0, ..Span::default() };
-    if untrusted::forbids(context.deck.sources.folder(deck), &path) {
+    let folder = context.deck.sources.folder(deck).to_owned();
+    if untrusted::forbids(&folder, &path) {
         let message = format!("{} is not in the folder of the deck", input.text);
         let finding = Diagnostic::error("D011", message).at(input.span, "not read with --untrusted");
         let help = "copy the file into the folder of the deck or a folder below it";
         return context.diagnostics.push(finding.help(help));
     }
-    match read_any(&path) {
+    match read_any(&folder, &path) {
         Ok(file) => {
             context.model.origin.mesh_files.push(path);
             add_mesh(context, mesh, &file, kind, card.span);

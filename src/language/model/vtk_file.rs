@@ -37,17 +37,33 @@ pub fn silence_caught_panics() {
 /// # Errors
 /// The reason if the file is damaged or not supported.
 pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, String> {
+    check_length(path)?;
+    parse(&files::read(path).map_err(|e| e.to_string())?, wanted)
+}
+
+/// Checks that a file is not too large to be read.
+///
+/// # Errors
+/// The reason if it is.
+pub(super) fn check_length(path: &Path) -> Result<(), String> {
     if path.metadata().is_ok_and(|file| file.len() > MAX_BYTES) {
         return Err(format!("the file is larger than {} GB", MAX_BYTES >> 30));
     }
-    let bytes = files::read(path).map_err(|e| e.to_string())?;
+    Ok(())
+}
+
+/// Reads the bytes of a VTK file, like [`read`].
+///
+/// # Errors
+/// The reason if the file is damaged or not supported.
+pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, String> {
     let mut mesh = if bytes.starts_with(b"# vtk DataFile") {
         READING.set(true);
-        let read = catch_unwind(|| parse_legacy(&bytes));
+        let read = catch_unwind(|| parse_legacy(bytes));
         READING.set(false);
         read.unwrap_or_else(|_| Err("the file is damaged".into()))?
     } else {
-        xml_mesh::parse(&bytes, wanted)?
+        xml_mesh::parse(bytes, wanted)?
     };
     check_types(&mesh.types, &mut mesh.cells)?;
     check_arrays(mesh)

@@ -10,3 +10,12 @@ mod unix;
 
 pub use hypot::PortableMath;
 pub use unix::*;
+
+/// Limit of the memory of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MemoryLimit {
+    /// What limits the memory.
+    pub name: &'static str,
+    /// Number of bytes.
+    pub bytes: u128,
+}

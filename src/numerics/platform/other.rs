@@ -52,7 +52,7 @@ pub fn sync_folder(_folder: &Path) -> io::Result<()> {
 }
 
 /// Returns `None`: the memory size is not determined on these platforms.
-pub fn memory_of_machine() -> Option<u128> {
+pub fn memory_limit() -> Option<super::MemoryLimit> {
     None
 }
 

@@ -6,6 +6,8 @@ use std::os::unix::fs::{DirBuilderExt as _, FileTypeExt as _, MetadataExt as _, 
 use std::path::Path;
 use std::process::Command;
 
+use super::MemoryLimit;
+
 /// Returns options that open a pipe without waiting for its other end.
 pub fn without_waiting() -> OpenOptions {
     with_flags(libc::O_NONBLOCK)
@@ -72,11 +74,37 @@ pub fn free_space(folder: &Path) -> Option<u64> {
     Some(disk.f_bavail.saturating_mul(disk.f_frsize))
 }
 
-/// Returns the memory size of the machine in bytes; `None` if it cannot be determined.
-pub fn memory_of_machine() -> Option<u128> {
+/// Returns the smallest limit of the memory of this process; `None` if none can be determined.
+pub fn memory_limit() -> Option<MemoryLimit> {
+    let limit = |name, bytes: Option<u128>| bytes.map(|bytes| MemoryLimit { name, bytes });
+    let limits = [
+        limit("the memory of the machine", memory_of_machine()),
+        limit("the limit of the process (ulimit -v)", limit_of_process()),
+        limit("the limit of the control group or container (memory.max)", limit_of_group()),
+    ];
+    limits.into_iter().flatten().min_by_key(|limit| limit.bytes)
+}
+
+/// Returns the memory size of the machine in bytes.
+fn memory_of_machine() -> Option<u128> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().trim_end_matches("kB");
     Some(1024 * kilobytes.trim().parse::<u128>().ok()?)
+}
+
+/// Returns the limit of the address space of this process; `None` if it is unlimited.
+fn limit_of_process() -> Option<u128> {
+    let text = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let limits = text.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    limits.split_whitespace().next()?.parse().ok()
+}
+
+/// Returns the limit of the control group (version 2) of this process; `None` without one.
+fn limit_of_group() -> Option<u128> {
+    let text = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let group = text.lines().find_map(|line| line.strip_prefix("0::/"))?;
+    let limit = std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(group).join("memory.max")).ok()?;
+    limit.trim().parse().ok()
 }
 
 /// Returns the name of the processor, on Linux.

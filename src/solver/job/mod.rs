@@ -29,8 +29,8 @@ use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, INPUT, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, write_summary,
-    write_whole, write_with_sums,
+    FramePoints, HISTORY, HistorySummary, INPUT, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, whole::remove,
+    write_summary, write_whole,
 };
 use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
@@ -456,9 +456,7 @@ pub fn find_checkpoint(
     checkpoint.accept(&prepared.identity(user))?;
     let mut frames: Vec<WrittenFrame> = Vec::new();
     frames.persist(&mut StateArchive::reader(&checkpoint.shown));
-    if let [first, rest @ ..] = &missing_frames(job, frames.len())[..] {
-        let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
-        let message = format!("{}{more}, written before the checkpoint, no longer exists", first.display());
+    if let Some(message) = describe_missing(&missing_frames(job, frames.len()), "before the checkpoint") {
         notes.push(Diagnostic::warning("K103", message));
     }
     if demand == RestartRequirement::Whole
@@ -472,6 +470,13 @@ pub fn find_checkpoint(
     }
     notes.append(lost_state_notes(prepared, Some(&checkpoint), &[]));
     Ok((Some(checkpoint), notes))
+}
+
+/// Returns the message on frames that are missing; `None` without any.
+fn describe_missing(frames: &[PathBuf], when: &str) -> Option<String> {
+    let (first, rest) = frames.split_first()?;
+    let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+    Some(format!("{}{more}, written {when}, no longer exists", first.display()))
 }
 
 /// Returns warnings on internal data of user subroutines that are missing in the checkpoint of a restart (`from`) or in
@@ -635,9 +640,14 @@ pub fn write_run(prepared: &PreparedJob, job: &JobFiles, outcome: Outcome, histo
     make_folder(job)?;
     // Messages of user subroutines are shared by concurrent runs and cannot be assigned to one.
     let summary = RunSummary { messages: Vec::new(), ..summarise(prepared, outcome, history) };
-    let (text, rows) = (serde_json::to_string_pretty(&summary)? + "\n", summary.history.csv());
-    let files = [(HISTORY.to_owned(), rows.into_bytes()), (".json".to_owned(), text.into_bytes())];
-    write_with_sums(job, &files, SUMS)
+    let rows = summary.history.csv();
+    for ending in [SUMS, ".json"] {
+        remove(&job.path(ending))?;
+    }
+    write_whole(&job.path(HISTORY), rows.as_bytes())?;
+    let mut sums = Checksums::default();
+    sums.add(job, HISTORY, rows.as_bytes());
+    write_summary(job, &summary, sums)
 }
 
 /// Creates the output folder of a job.
@@ -702,8 +712,14 @@ pub fn run_with<'a>(
         position: options.position,
     };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
-    let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
+    let (mut outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
     let checkpoint_seconds = outcome.checkpoint_seconds;
+    let missing = missing_frames(job, files.frames.frames().len());
+    if let Some(message) = describe_missing(&missing, "during the run") {
+        let message = format!("K103: {message}");
+        files.warning(&message);
+        outcome.warnings.push(message);
+    }
     let (mut sums, history_failed) = files.end();
     if let Some(Ok(sum)) = &of_copies {
         sums.add_sum(job, INPUT, *sum);
@@ -743,16 +759,16 @@ pub fn lock_folder(job: &JobFiles) -> Result<FolderLock, JobError> {
     })
 }
 
-/// Writes the summary and the list of checksums, and removes the checkpoint of a completed run.
-fn finish_files(job: &JobFiles, summary: &mut RunSummary, mut sums: Checksums) {
-    let written = write_summary(job, summary).and_then(|sum| {
-        sums.add_sum(job, ".json", sum);
-        sums.write(job, SUMS)
-    });
-    match written {
+/// Writes the list of checksums and the summary, and removes the checkpoint of a completed run.
+fn finish_files(job: &JobFiles, summary: &mut RunSummary, sums: Checksums) {
+    if let Err(why) = write_summary(job, summary, sums.clone()) {
+        summary.mark_unwritten(why.to_string());
+        // The reason of the halt is in the summary if this can be written now.
+        write_summary(job, summary, sums).ok();
+    }
+    if job.path(".json").is_file() {
         // Its contents are in the summary.
-        Ok(()) => drop(std::fs::remove_file(job.path(SETUP))),
-        Err(e) => summary.mark_unwritten(e.to_string()),
+        let _ = std::fs::remove_file(job.path(SETUP));
     }
     if summary.halt.is_none() {
         // A failure is harmless: a restart from the checkpoint gives the same results.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::RunSummary;
 use crate::deck::verdict::{Verdict, VerdictEffect};
 use crate::deck::{DiagnosticCode, Severity};
-use crate::{model, plan};
+use crate::{model, output, plan};
 
 /// Code of an uncertainty that is not known.
 const UNKNOWN: &str = "R323";
@@ -71,12 +71,12 @@ impl VerdictReason {
 
 /// Returns the diagnostic code of a deck, a plan or a run.
 fn find_code(code: &str) -> Option<&'static DiagnosticCode> {
-    plan::codes::CODES.iter().chain(model::codes::CODES).find(|known| known.code == code)
+    plan::codes::CODES.iter().chain(model::codes::CODES).chain(output::codes::CODES).find(|known| known.code == code)
 }
 
 /// Returns the effect of a diagnostic code on the verdict; `None` for information.
 pub fn effect_of(code: &str) -> Option<&'static VerdictEffect> {
-    plan::codes::EFFECTS.iter().chain(model::codes::EFFECTS).find(|effect| effect.code == code)
+    plan::codes::EFFECTS.iter().chain(model::codes::EFFECTS).chain(output::codes::EFFECTS).find(|effect| effect.code == code)
 }
 
 /// Returns whether a message with a code makes the results doubtful.

@@ -14,6 +14,7 @@ use super::causes::is_sensitive;
 use super::evaluate::{
     DeckSource, RELATIVE_ERROR, SampleDerivatives, SampleEvaluator, SampleFailure, SampleTable, UserRoutines,
 };
+use super::log::RunLog;
 use super::noise::{self, perturbations};
 use super::quantity::Quantity;
 use super::runner::RunSource;
@@ -51,6 +52,8 @@ pub struct SensitivityRequest<'a> {
     /// Number of perturbed runs, from which the noise is estimated; `None` for [`NOISE_RUNS`] of models with contact,
     /// failure, element deletion or new meshes.
     pub jitter: Option<usize>,
+    /// List of finished runs of an interrupted command.
+    pub log: Option<&'a Arc<RunLog>>,
     /// Whether shots that stages could solve are integrated in increments.
     pub in_increments: bool,
     /// Number of threads.
@@ -70,7 +73,11 @@ impl SensitivityRequest<'_> {
         let user = self.user.map_or(UserRoutines::Absent, |user| UserRoutines::Files(Arc::clone(user)));
         let (deck, fixed) = (self.deck.clone(), self.settings.to_vec());
         let evaluator = SampleEvaluator::new(deck, fixed, names, self.quantities.to_vec(), user)?;
-        Ok(if self.in_increments { evaluator.in_increments() } else { evaluator })
+        let evaluator = if self.in_increments { evaluator.in_increments() } else { evaluator };
+        match self.log {
+            Some(log) => evaluator.logged(log),
+            None => Ok(evaluator),
+        }
     }
 }
 
