@@ -797,10 +797,8 @@ impl RunSummary {
         self.unknown.retain(|reason| !reason.is_unknown_uncertainty());
         self.unknown.extend(unknown);
         self.judge();
-        let sum = write_summary(job, self)?;
-        let mut sums = Checksums::of_file(&job.path(SUMS)).map_err(io::Error::other)?;
-        sums.add_sum(job, ".json", sum);
-        sums.write(job, SUMS)
+        let sums = Checksums::of_file(&job.path(SUMS)).map_err(io::Error::other)?;
+        write_summary(job, self, sums)
     }
 }
 
