@@ -4,8 +4,6 @@
 //! Goal: no input is parsed and silently ignored. Source: the table itself; `words/pairs.txt` has for each used entry
 //! two decks that differ only in this entry.
 
-mod together;
-
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
@@ -39,31 +37,16 @@ fn entries() -> Vec<(String, &'static Keyword, &'static InputRule)> {
 struct DeckPair {
     name: String,
     texts: [String; 2],
-    /// Name of the deck without changes.
-    base: String,
-    /// Changes that make the entry effective, and the change of the entry.
-    changes: [String; 2],
 }
 
 /// Applies changes: `from => to`, or `@mark lines`.
 fn changed(text: &str, changes: &str, definitions: &HashMap<&str, &str>) -> String {
-    let changes = without_names(changes, definitions);
-    try_changed(text, &changes).unwrap_or_else(|change| panic!("`{change}` finds nothing in\n{text}"))
-}
-
-/// Replaces names of changes, `$name`, by the changes.
-fn without_names(changes: &str, definitions: &HashMap<&str, &str>) -> String {
-    let plain = |change: &str| match change.trim().strip_prefix('$') {
-        Some(name) => without_names(definitions[name.trim()], definitions),
-        None => change.to_owned(),
-    };
-    changes.split(";;").map(plain).collect::<Vec<_>>().join(";;")
-}
-
-/// Applies changes without names; the error is a change whose text is not in the deck.
-fn try_changed(text: &str, changes: &str) -> Result<String, String> {
     let mut text = text.to_owned();
     for change in changes.split(";;").map(str::trim).filter(|c| !c.is_empty()) {
+        if let Some(name) = change.strip_prefix('$') {
+            text = changed(&text, definitions[name.trim()], definitions);
+            continue;
+        }
         let plain = |s: &str| s.replace("\\n", "\n");
         let (from, to) = match change.strip_prefix('@') {
             Some(rest) => {
@@ -75,20 +58,16 @@ fn try_changed(text: &str, changes: &str) -> Result<String, String> {
                 (plain(from.strip_suffix(' ').unwrap_or(from)), plain(to.strip_prefix(' ').unwrap_or(to)))
             }
         };
-        if !text.contains(&from) {
-            return Err(change.to_owned());
-        }
+        assert!(text.contains(&from), "`{change}` finds nothing in\n{text}");
         text = text.replacen(&from, &to, 1);
     }
-    Ok(text)
-}
-
-/// Returns the text of a deck of the pairs.
-fn base(name: &str) -> String {
-    std::fs::read_to_string(common::project(&format!("tests/deck/words/{name}.inp"))).expect("a deck of the pairs")
+    text
 }
 
 fn pairs() -> Vec<DeckPair> {
+    let base = |name: &str| {
+        std::fs::read_to_string(common::project(&format!("tests/deck/words/{name}.inp"))).expect("a deck of the pairs")
+    };
     let bases: HashMap<&str, String> =
         ["solid", "shell", "cohesive", "rigid", "parts"].map(|name| (name, base(name))).into();
     let table = std::fs::read_to_string(common::project("tests/deck/words/pairs.txt")).expect("the table of pairs");
@@ -100,12 +79,13 @@ fn pairs() -> Vec<DeckPair> {
         let columns: Vec<&str> = line.split(" | ").collect();
         let [name, deck, last] = columns[..] else { panic!("three columns: {line}") };
         let mut parts = deck.split(" + ");
-        let base = parts.next().expect("a deck").trim();
-        let effective = |part: &str| without_names(definitions.get(part).copied().unwrap_or(part), &definitions);
-        let changes = [parts.map(|part| effective(part.trim())).collect::<Vec<_>>().join(";;"), last.to_owned()];
-        let text = changed(&bases[base], &changes[0], &definitions);
+        let mut text = bases[parts.next().expect("a deck").trim()].clone();
+        for part in parts {
+            let part = part.trim();
+            text = changed(&text, definitions.get(part).copied().unwrap_or(part), &definitions);
+        }
         let other = changed(&text, last, &definitions);
-        DeckPair { name: name.trim().into(), texts: [text, other], base: base.into(), changes }
+        DeckPair { name: name.trim().into(), texts: [text, other] }
     };
     lines.iter().map(pair).collect()
 }

@@ -482,7 +482,7 @@ fn messages_on_excessive_input_are_short_and_name_the_limit() {
         (format!("*Heading\n*Node, {name}=1\n 1, 0., 0.\n"), "no parameter NNN"),
         (format!("*Heading\n*Node\n 1, 0., 0.\n*Nset, nset=A\n {name}\n"), "no node set or node `NNN"),
         (format!("*Heading\n*Node\n 1, {}x, 0.\n", "9".repeat(5_000_000)), "D301"),
-        (sweeps, "at most 1000"),
+        (sweeps, "from 1 to 1000"),
         (nodes, "the limit of the process (ulimit -v) is"),
     ];
     for (deck, expected) in cases {
