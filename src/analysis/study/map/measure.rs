@@ -98,6 +98,12 @@ pub fn measure(
     let has_both_orders = plan.fits(patches.len());
     let runs = CompanionRuns::of(&base, &model, &patches, has_both_orders);
     let uniform = all.found.number().ok_or_else(|| wrong("the quantity must be a number"))?;
+    if base.text.is_some() && !is_repeated(study, uniform - value) {
+        return Err(wrong(
+            "the listed mesh of the first level, refined again, differs from the second level: begin with mesh=1, or with \
+             two levels of the ratio 2; values that the deck lists node by node are interpolated once only",
+        ));
+    }
     let (factor, factor_source) = factor(study, reference.value - value, uniform - value);
     let half = runs.half.as_ref().and_then(|half| half.as_ref().ok());
     let correction = IncrementCorrection::of([run, all], value, half);
@@ -250,6 +256,13 @@ fn level_change(study: &RefinementStudy) -> Option<f64> {
     let [coarse, fine, ..] = series.sizes[..] else { return None };
     let value = |at: usize| study.rows[*series.rows.get(at)?].value;
     (coarse / fine - 2.0).abs().lt(&1e-9).then(|| Some(value(1)? - value(0)?)).flatten()
+}
+
+/// Returns whether the change by refinement of the listed first level is that of the second level, within a tenth and the
+/// noise.
+fn is_repeated(study: &RefinementStudy, change: f64) -> bool {
+    let of_run = study.noise.as_ref().map_or(0.0, |noise| noise.uncertainty);
+    level_change(study).is_some_and(|level| (change - level).abs() <= 0.1 * level.abs() + 2.0 * of_run)
 }
 
 /// Returns the factor from the change with half the element size to the error. Equation (15.11).
