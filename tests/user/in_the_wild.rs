@@ -273,14 +273,14 @@ fn unused_subroutines_are_reported_by_name() {
     if !fortran() {
         return;
     }
-    let more = "      subroutine vufield\n      end\n";
+    let more = "      subroutine vuinter\n      end\n";
     let routines = opened(&[("law.f", &(vumat(PLAIN, "", DECLARED, "") + more))]).expect("it compiles");
     let plain = moving(|[_, z]| [0.0, z], "*Elastic\n 1., 0.3\n", " S\n");
     let prepared = job::prepare_text("test.inp", &plain, &[], &routines);
     let notes: Vec<&str> =
         prepared.diagnostics.iter().filter(|d| d.code == "U009").map(|d| d.message.as_str()).collect();
     assert!(notes[0].contains("`vumat`") && notes[0].contains("*USER MATERIAL"), "{notes:?}");
-    assert!(notes[1].contains("`vufield`") && notes[1].contains("does not support it"), "{notes:?}");
+    assert!(notes[1].contains("`vuinter`") && notes[1].contains("does not support it"), "{notes:?}");
     // A file with another subroutine is reported with its name.
     let rendered = opened(&[("other.f", "      subroutine umat(a)\n      end\n")]).err().expect("it is rejected");
     assert!(rendered.contains("U006") && rendered.contains("other.f") && rendered.contains("umat"), "{rendered}");

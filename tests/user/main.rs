@@ -28,6 +28,7 @@ mod load;
 mod manners;
 mod material;
 mod memory;
+mod nodal_fields;
 mod six_nodes;
 mod subroutines;
 mod written;

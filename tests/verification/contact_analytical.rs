@@ -12,7 +12,7 @@ use crate::common::solid::{WHOLE_VISCOSITY, column, grid, last, material, run};
 
 /// Returns the cards of a straight tool whose contact side is on its left, with reference node 9000 in set REF, as an
 /// analytical surface or as rigid elements.
-fn straight_tool(analytical: bool, [from, to]: [[f64; 2]; 2], facets: usize) -> String {
+pub(crate) fn straight_tool(analytical: bool, [from, to]: [[f64; 2]; 2], facets: usize) -> String {
     let reference = "*Node, nset=REF\n 9000, 0., 0.\n";
     if analytical {
         return format!(

@@ -504,7 +504,7 @@ fn unsupported_shells_are_errors() {
     for (from, to, code) in [
         (" 0.002, 5", " 0.002, 4", "M103"),
         (" 0.002, 5", " 0., 5", "M103"),
-        ("material=M\n 0", "material=M, offset=0.5\n 0", "M104"),
+        ("material=M\n 0", "material=M, offset=0.6\n 0", "M103"),
         ("*Shell section", "*Solid section", "M180"),
         ("*Material, name=M\n", "*Material, name=M\n*User material, constants=1\n 1.\n", "P023"),
         ("*Material, name=M\n", "*Material, name=M\n*Plastic, hardening=KINEMATIC\n 1.e8, 0.\n 2.e8, 1.\n", "P023"),

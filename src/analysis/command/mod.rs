@@ -82,8 +82,8 @@ pub struct AlreadyPrinted;
 /// Options for files of user subroutines.
 #[derive(Args)]
 pub struct UserFiles {
-    /// User subroutines (VDLOAD, VUAMP, VDISP, VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH, VEXTERNALDB): a Fortran or C file
-    /// or a shared library; can be repeated.
+    /// User subroutines (VDLOAD, VUAMP, VDISP, VUMAT, VUHARD, VUSDFLD, VUFIELD, VUCHARLENGTH, VEXTERNALDB): a Fortran or C
+    /// file or a shared library; can be repeated.
     #[arg(short = 'u', long = "user", value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Compile the user subroutines with array bounds checks (slower).

@@ -37,7 +37,7 @@ pub(super) const TOPICS: &[HelpTopic] = &[
     },
     HelpTopic {
         words: &["SAX1"],
-        text: "SAX1: two-node axisymmetric shell with *SHELL SECTION; degrees of freedom 1 (r), 2 (z), 6 (rotation).\n",
+        text: "SAX1: two-node axisymmetric shell with *SHELL SECTION, also with layers and offset nodes; degrees of freedom 1 (r), 2 (z), 6 (rotation).\n",
     },
     HelpTopic {
         words: &["COHAX4"],

@@ -14,8 +14,9 @@ use super::host_routines::ended;
 use super::subroutines::{self, AmplitudeArrays, ArgumentKind, DOFS, MaterialArrays, NAME, interface};
 use super::{
     AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall,
-    LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, RunAction, UserAmplitude,
-    UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, crash, guard,
+    LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, RunAction,
+    UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
+    UserNodalFields, crash, guard,
 };
 use revolve_numerics::state::Instant;
 
@@ -223,6 +224,16 @@ impl UserFields for CompiledRoutine<subroutines::Vusdfld, MaterialAxes> {
         self.enter(&context, call.name, |function, name, axes| {
             // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vusdfld(function, call, name, axes.of(call.count), answer) }
+        })
+    }
+}
+
+impl UserNodalFields for CompiledRoutine<subroutines::Vufield, ()> {
+    fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure> {
+        let context = ActiveCall::new("vufield", call.set, call.now);
+        self.enter(&context, "", |function, _, ()| {
+            // SAFETY: each array has the length given by the counts.
+            unsafe { subroutines::vufield(function, call, values) }
         })
     }
 }

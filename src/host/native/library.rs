@@ -9,7 +9,9 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use super::compile::SharedLibrary;
 use super::compiled::{CompiledRoutine, MaterialAxes, RestartFollows, WatchInvalid};
 use super::memory::{LibraryMemory, RoutineMemory, bases};
-use super::subroutines::{MaterialArrays, Vdisp, Vdload, Vexternaldb, Vuamp, Vucharlength, Vuhard, Vumat, Vusdfld};
+use super::subroutines::{
+    MaterialArrays, Vdisp, Vdload, Vexternaldb, Vuamp, Vucharlength, Vufield, Vuhard, Vumat, Vusdfld,
+};
 use super::{PersistentMemory, ROUTINES, Routines, UncallableRoutine, crash, guard, host};
 use revolve_diagnostics::whole::ScratchFolder;
 use revolve_diagnostics::{Diagnostic, files};
@@ -52,6 +54,7 @@ pub(super) fn open(
         "vumat": Vumat, MaterialArrays::default() => with_material;
         "vuhard": Vuhard, () => with_hardening;
         "vusdfld": Vusdfld, MaterialAxes::default() => with_fields;
+        "vufield": Vufield, () => with_nodal_fields;
         "vucharlength": Vucharlength, MaterialAxes::default() => with_lengths;
         "vexternaldb": Vexternaldb, RestartFollows::default() => with_events;
     }
@@ -97,7 +100,6 @@ const UNSUPPORTED: &[&str] = &[
     "vuel",
     "vuinter",
     "vuinteraction",
-    "vufield",
     "vufluidexch",
     "vuflux",
     "vdflux",

@@ -6,7 +6,7 @@ use std::ffi::c_char;
 
 use super::{
     AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadPoints, MAX_MATERIAL_BLOCK,
-    MaterialAnswer, MaterialCall, MotionCall,
+    MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
 };
 
 /// Kind of an argument, and whether the subroutine writes a result there.
@@ -100,7 +100,7 @@ fn int(count: usize) -> i32 {
 }
 
 // ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
-// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016).
+// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016), "VUFIELD" (2024).
 subroutines! {
     /// Subroutine VDLOAD, which returns the pressures of a load.
     vdload: Vdload(points: &LoadPoints<'_>, name: *const c_char, pressure: &mut [f64]) [NAME] {
@@ -253,6 +253,22 @@ subroutines! {
         stateOld: Real = call.state.as_ptr(),
         stateNew: RealResult = answer.state.as_mut_ptr(),
         field: RealResult = answer.field.as_mut_ptr(),
+    }
+    /// Subroutine VUFIELD, which returns field variables at nodes. `JFLAGS` are the increment and the number of the call in it.
+    vufield: Vufield(call: &NodalFieldCall<'_>, values: &mut [f64]) [] {
+        field: RealResult = values.as_mut_ptr(),
+        nblock: Integer = &int(call.nodes.len()),
+        nfield: Integer = &int(call.variables[1]),
+        kfield: Integer = &int(call.variables[0]),
+        ncomp: Integer = &1,
+        kstep: Integer = &(call.now.step as i32),
+        jflags: Integer = [call.now.increment.try_into().unwrap_or(i32::MAX), 1].as_ptr(),
+        jnodeuid: Integer = call.nodes.as_ptr(),
+        time: Real = [call.now.step_time, call.lengths[0], call.lengths[1], call.now.total_time].as_ptr(),
+        coords: Real = call.coordinates.as_ptr(),
+        u: Real = call.motion[0].as_ptr(),
+        v: Real = call.motion[1].as_ptr(),
+        a: Real = call.motion[2].as_ptr(),
     }
     /// Subroutine VUCHARLENGTH, which returns characteristic lengths. `jElType` begins with the shape: 2 is a triangle,
     /// 3 a quadrilateral.

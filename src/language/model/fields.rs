@@ -27,13 +27,14 @@ pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader,
     } else {
         PredefinedVariable::Field(card.read::<usize>("VARIABLE") - 1)
     };
+    let Some(user) = user_variables(context, card, amplitude.is_some()) else { return };
     if steps.operation(card, card.keyword.name) {
         let given = &mut steps.state().history.fields;
         given.retain(|field| (field.variable == PredefinedVariable::Temperature) != is_temperature);
     }
     for (at, line) in card.lines.iter().enumerate() {
         let Some(set) = line.field(0) else { continue };
-        let value = f64::from_value(card.given_field(at, 1));
+        let value = if user.is_some() { 0.0 } else { f64::from_value(card.given_field(at, 1)) };
         let Some(nodes) = context.node_members(set) else { continue };
         let target = match variable {
             PredefinedVariable::Temperature => format!("`{}`", upper(&set.text)),
@@ -42,8 +43,25 @@ pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader,
         steps.note_value(context, card, target, line.span);
         let value = amplitudes::scaled(context, value, amplitude);
         let (set, span) = (set.text.clone(), line.span);
-        steps.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });
+        steps.state().fields.push(PrescribedField { variable, nodes, set, user, value, amplitude, span });
     }
+}
+
+/// Returns the number of variables that the user subroutine sets together; `Some(None)` without `USER`.
+fn user_variables(context: &mut Context<'_>, card: &Card, has_amplitude: bool) -> Option<Option<usize>> {
+    let number: Option<usize> = card.read("NUMBER");
+    if !card.has("USER") {
+        let message = "NUMBER and BLOCKING of *FIELD require USER";
+        let is_given = number.is_some() || card.has("BLOCKING");
+        return if is_given { context.refuse_value(card.span, message) } else { Some(None) };
+    }
+    if has_amplitude {
+        return context.refuse_value(card.span, "vufield sets the values: remove AMPLITUDE");
+    }
+    let number = number.unwrap_or(1);
+    let last = card.read::<usize>("VARIABLE") - 1 + number;
+    let message = format!("the last variable of NUMBER={number} would be {last}, and at most {MOST_FIELDS} exist");
+    if last > MOST_FIELDS { context.refuse_value(card.span, message) } else { Some(Some(number)) }
 }
 
 /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is
@@ -78,7 +96,7 @@ impl StepHistory {
     ) -> Vec<PrescribedField> {
         let mut in_force = std::mem::take(&mut self.fields);
         for later in given {
-            for earlier in in_force.iter_mut().filter(|e| e.variable == later.variable) {
+            for earlier in in_force.iter_mut().filter(|e| e.shares_variable(&later)) {
                 earlier.nodes.retain(|n| later.nodes.binary_search(n).is_err());
             }
             in_force.push(later);

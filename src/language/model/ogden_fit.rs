@@ -21,7 +21,7 @@ const ITERATIONS: usize = 400;
 /// Step of the exponents, relative to them, that ends the iteration.
 const SHORT: f64 = 1e-13;
 /// Ratio of the sizes of independent columns below which moduli are not determined.
-const DEPENDENT: f64 = 1e-7;
+const DEPENDENT: f64 = 1e-5;
 
 /// Result of a fit.
 pub struct OgdenFit {

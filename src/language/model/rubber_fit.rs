@@ -81,7 +81,7 @@ fn report_fit(context: &mut Context<'_>, fit: &RubberFit, law: &HyperelasticLaw,
         DeviatoricEnergy::NeoHooke(c) => vec![format!("C10 = {c:.6}")],
         DeviatoricEnergy::Polynomial(terms) => terms.iter().map(|(c, i, j)| format!("C{i}{j} = {c:.6}")).collect(),
         DeviatoricEnergy::Ogden(terms) => {
-            let pair = |(i, [mu, alpha]): (usize, &[f64; 2])| format!("mu{0} = {mu:.6}, alpha{0} = {alpha:.6}", i + 1);
+            let pair = |(i, [mu, alpha]): (usize, &[f64; 2])| format!("mu{0} = {mu:.6e}, alpha{0} = {alpha:.6}", i + 1);
             terms.iter().enumerate().map(pair).collect()
         }
     };
@@ -129,17 +129,33 @@ impl RubberFit {
                 (DeviatoricEnergy::Ogden(terms), error)
             }
         };
+        let compressibility = self.compressibility(&volumetric)?;
+        Ok((HyperelasticLaw { shape, compressibility, test_data: self.data.clone(), span: self.span }, error))
+    }
+
+    /// Returns D1, D2, ... of volumetric test data: as many terms as the data determine with positive constants; the others
+    /// are zero, as all are without data.
+    ///
+    /// # Errors
+    /// The reason if the data do not determine D1.
+    fn compressibility(&self, data: &[RubberMeasurement]) -> Result<Vec<f64>, String> {
         let mut compressibility = vec![0.0; self.order];
-        if !volumetric.is_empty() {
+        for order in (1..=self.order.min(data.len())).rev() {
             let rows = |&RubberMeasurement { stress: pressure, stretch: ratio, .. }: &RubberMeasurement| {
-                (1..=self.order as i32)
+                (1..=order as i32)
                     .map(|i| -2.0 * f64::from(i) * (ratio - 1.0).powi(2 * i - 1) / pressure)
                     .collect::<Vec<f64>>()
             };
-            let (inverse, _) = relative_least_squares(&volumetric.iter().map(rows).collect::<Vec<_>>(), self.order)?;
-            compressibility = inverse.iter().map(|inverse| if *inverse == 0.0 { 0.0 } else { 1.0 / inverse }).collect();
+            let fitted = relative_least_squares(&data.iter().map(rows).collect::<Vec<_>>(), order);
+            let inverse = match fitted {
+                Ok((inverse, _)) if order == 1 || inverse.iter().all(|value| *value > 0.0) => inverse,
+                Err(why) if order == 1 => return Err(why),
+                _ => continue,
+            };
+            compressibility.iter_mut().zip(&inverse).for_each(|(constant, inverse)| *constant = 1.0 / inverse);
+            break;
         }
-        Ok((HyperelasticLaw { shape, compressibility, test_data: self.data.clone(), span: self.span }, error))
+        Ok(compressibility)
     }
 }
 

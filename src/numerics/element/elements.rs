@@ -24,6 +24,7 @@ use super::quiescent::ActiveNodes;
 use super::removed::DeletionRecord;
 use super::rings::RingFactors;
 use super::tiles::{Tiles, tile_length};
+use super::user_field::NodalFieldInput;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::prefetch::PrefetchChoice;
@@ -262,10 +263,12 @@ impl Elements {
     }
 
     /// Sets the temperatures and field variables prescribed at this instant.
-    pub fn give_fields(&mut self, clock: &AmplitudeClock<'_>) {
-        if let Some(fields) = &mut self.fields {
-            fields.give(&mut self.groups, clock);
-        }
+    ///
+    /// # Errors
+    /// If a user subroutine for field variables fails; the run halts.
+    pub fn give_fields(&mut self, clock: &AmplitudeClock<'_>, input: NodalFieldInput<'_>) -> Result<(), HaltReason> {
+        let Some(fields) = &mut self.fields else { return Ok(()) };
+        fields.give(&mut self.groups, clock, input)
     }
 
     /// Returns the prescribed temperature of an element; `None` if it has none.

@@ -52,5 +52,6 @@ mod strain;
 mod subzonal;
 mod tiles;
 pub mod transfer;
+pub mod user_field;
 pub mod values;
 pub mod volume_guard;

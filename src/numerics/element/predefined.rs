@@ -5,8 +5,10 @@ use crate::kernel::lists::Memory;
 use std::sync::Arc;
 
 use super::group::{ElementGroup, NodalVariable};
+use super::user_field::{NodalFieldInput, UserFieldArrays, UserNodalField};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
+use crate::state::halt::HaltReason;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
 /// Prescribed value of a variable at some nodes in a step.
@@ -42,36 +44,68 @@ struct FieldValues {
     means: Vec<Vec<f64>>,
 }
 
-/// Predefined fields of all steps. They depend on the time only and are not part of the saved state.
+/// Prescribed values of a step.
+#[derive(Clone, Debug, Default)]
+pub struct StepFields {
+    /// Values over time.
+    pub given: Vec<NodalFieldValue>,
+    /// Values of a user subroutine, which replace those over time.
+    pub user: Vec<UserNodalField>,
+}
+
+/// Predefined fields of all steps. They depend on the time, and on the nodes by a user subroutine; elements have saved
+/// values, so that the fields are not part of the saved state.
 #[derive(Clone)]
 pub struct PredefinedFields {
     pub id: EffectId,
     list: Arc<Vec<PredefinedField>>,
     /// Prescribed values of each step; steps that continue a list share it.
-    steps: Arc<Vec<Arc<[NodalFieldValue]>>>,
+    steps: Arc<Vec<Arc<StepFields>>>,
     values: Vec<FieldValues>,
+    arrays: UserFieldArrays,
 }
 
 impl PredefinedFields {
     /// Creates the fields from their initial values and the prescribed values of each step.
-    pub fn new(id: EffectId, list: Vec<PredefinedField>, steps: Vec<Arc<[NodalFieldValue]>>) -> Self {
+    pub fn new(id: EffectId, list: Vec<PredefinedField>, steps: Vec<Arc<StepFields>>) -> Self {
         let start = |field: &PredefinedField| {
             let means = |group: &FieldGroup| group.boundaries.iter().map(|nodes| mean(nodes, &field.start)).collect();
             FieldValues { nodal: field.start.clone(), means: field.groups.iter().map(means).collect() }
         };
         let values = list.iter().map(start).collect();
-        PredefinedFields { id, list: Arc::new(list), steps: Arc::new(steps), values }
+        let together = steps.iter().flat_map(|step| &step.user).map(|field| field.variables[1]);
+        let arrays = UserFieldArrays::new(together.max().unwrap_or(0));
+        PredefinedFields { id, list: Arc::new(list), steps: Arc::new(steps), values, arrays }
     }
 
     /// Sets the variables of elements at this instant to the means of their nodes.
-    pub(super) fn give(&mut self, groups: &mut [Box<dyn ElementGroup>], clock: &AmplitudeClock<'_>) {
-        let Some(step) = (clock.now.step as usize).checked_sub(1).and_then(|s| self.steps.get(s)) else { return };
-        for (field, FieldValues { nodal, means }) in self.list.iter().zip(&mut self.values) {
+    ///
+    /// # Errors
+    /// If the user subroutine fails; the run halts.
+    pub(super) fn give(
+        &mut self,
+        groups: &mut [Box<dyn ElementGroup>],
+        clock: &AmplitudeClock<'_>,
+        mut input: NodalFieldInput<'_>,
+    ) -> Result<(), HaltReason> {
+        let Some(step) = (clock.now.step as usize).checked_sub(1).and_then(|s| self.steps.get(s)) else {
+            return Ok(());
+        };
+        for (field, FieldValues { nodal, .. }) in self.list.iter().zip(&mut self.values) {
             nodal.copy_from_slice(&field.start);
-            for given in step.iter().filter(|given| given.variable == field.variable) {
+            for given in step.given.iter().filter(|given| given.variable == field.variable) {
                 let value = given.magnitude.at(clock);
                 given.nodes.iter().for_each(|&n| nodal[n] = value);
             }
+        }
+        // Field variables are first in the list, in their order.
+        let (list, values) = (&self.list, &mut self.values);
+        for field in &step.user {
+            let initial = |variable: usize, node: usize| list[variable].start[node];
+            let set = |variable: usize, node: usize, value: f64| values[variable].nodal[node] = value;
+            self.arrays.call(field, &clock.now, &mut input, initial, set)?;
+        }
+        for (field, FieldValues { nodal, means }) in self.list.iter().zip(&mut self.values) {
             for (FieldGroup { group, boundaries }, means) in field.groups.iter().zip(means) {
                 means.iter_mut().zip(boundaries).for_each(|(value, nodes)| *value = mean(nodes, nodal));
                 if let Some(solid) = groups[*group].as_solid() {
@@ -79,6 +113,7 @@ impl PredefinedFields {
                 }
             }
         }
+        Ok(())
     }
 
     fn temperatures(&self) -> Option<(&PredefinedField, &FieldValues)> {
@@ -103,7 +138,7 @@ impl PredefinedFields {
     }
 
     pub fn bytes(&self) -> usize {
-        let PredefinedFields { id: _, list, steps, values } = self;
+        let PredefinedFields { id: _, list, steps, values, arrays } = self;
         let numbers =
             |values: &FieldValues| values.nodal.capacity() + values.means.iter().map(Vec::capacity).sum::<usize>();
         let numbers =
@@ -111,7 +146,12 @@ impl PredefinedFields {
         let corners: usize = list.iter().flat_map(|f| &f.groups).map(|g| size_of_val(&*g.boundaries)).sum();
         let bytes_of = |f: &NodalFieldValue| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
         let lists = steps.iter().enumerate().filter(|(i, list)| *i == 0 || !Arc::ptr_eq(list, &steps[i - 1]));
-        size_of::<f64>() * numbers + corners + lists.flat_map(|list| list.1.iter()).map(bytes_of).sum::<usize>()
+        let bytes_of_user = |f: &UserNodalField| size_of_val(f) + size_of_val(&*f.nodes) + size_of_val(&*f.numbers);
+        let of_step = |step: &StepFields| {
+            step.given.iter().map(bytes_of).sum::<usize>() + step.user.iter().map(bytes_of_user).sum::<usize>()
+        };
+        let steps: usize = lists.map(|list| of_step(list.1)).sum();
+        size_of::<f64>() * numbers + corners + steps + arrays.bytes()
     }
 }
 

@@ -264,6 +264,40 @@ pub trait UserMotion: Send {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure>;
 }
 
+/// Components of the motion of a node in a [`NodalFieldCall`]: translations and rotations about three axes, acoustic pressure,
+/// temperature.
+pub const NODAL_COMPONENTS: usize = 8;
+
+/// Arguments of user-defined field variables at nodes (ABAQUS 2024 User Subroutines Reference, "VUFIELD"). Arrays have all
+/// components of the first node, then of the second, and so on.
+#[derive(Clone, Copy, Debug)]
+pub struct NodalFieldCall<'a> {
+    /// Name of the node set, upper case (not an argument of VUFIELD).
+    pub set: &'a str,
+    /// Time, step and increment of the values.
+    pub now: Instant,
+    /// Length of the last increment, and duration of the step.
+    pub lengths: [f64; 2],
+    /// Number of the first variable, from 1, and number of variables.
+    pub variables: [usize; 2],
+    /// Node numbers of the user.
+    pub nodes: &'a [i32],
+    /// Current coordinates r, z, 0 of each node.
+    pub coordinates: &'a [f64],
+    /// Displacement, velocity and acceleration of each node, [`NODAL_COMPONENTS`] each; components that a node does not have
+    /// are zero.
+    pub motion: [&'a [f64]; 3],
+}
+
+/// User-defined field variables at nodes (`*FIELD, USER`).
+pub trait UserNodalFields: Send {
+    /// Sets `values`: the first variable of all nodes, then the second, and so on. On entry they are the initial values.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure>;
+}
+
 /// Points of the analysis at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference,
 /// 1.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -653,6 +687,8 @@ routines! {
     hardening: UserHardening, "vuhard", with_hardening;
     /// `*USER DEFINED FIELD` (VUSDFLD).
     fields: UserFields, "vusdfld", with_fields;
+    /// `*FIELD, USER` (VUFIELD).
+    nodal_fields: UserNodalFields, "vufield", with_nodal_fields;
     /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
     lengths: UserLengths, "vucharlength", with_lengths;
     /// Subroutine VEXTERNALDB, called at fixed moments of the analysis.

@@ -46,7 +46,7 @@ pub fn given_fields(model: &Model) -> usize {
         _ => None,
     });
     let prescribed = model.steps.iter().flat_map(|s| &s.fields).filter_map(|f| match f.variable {
-        PredefinedVariable::Field(variable) => Some(variable + 1),
+        PredefinedVariable::Field(variable) => Some(variable + f.user.unwrap_or(1)),
         PredefinedVariable::Temperature => None,
     });
     start.chain(prescribed).max().unwrap_or(0)

@@ -136,7 +136,7 @@ struct KnownRoutine {
     never_called: &'static str,
 }
 
-fn known_routines(routines: &Routines) -> [KnownRoutine; 7] {
+fn known_routines(routines: &Routines) -> [KnownRoutine; 8] {
     let known = |name, is_given, never_called| KnownRoutine { name, is_given, never_called };
     [
         known("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
@@ -145,6 +145,11 @@ fn known_routines(routines: &Routines) -> [KnownRoutine; 7] {
         known("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
         known("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
         known("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
+        known(
+            "vufield",
+            routines.nodal_fields.is_some(),
+            "there is no *FIELD, USER of a variable that a material reads",
+        ),
         known("vucharlength", routines.lengths.is_some(), "no element uses a length of *CHARACTERISTIC LENGTH"),
     ]
 }

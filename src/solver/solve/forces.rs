@@ -10,6 +10,7 @@ use super::run_state::RunState;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::tie::TiedNodes;
 use crate::constraint::{of_kind, of_kind_mut};
+use crate::element::user_field::NodalFieldInput;
 use crate::element::volume_guard::STARTING;
 use crate::kernel::lanes::InlineMap;
 use crate::load::{LoadForces, SceneChange, SceneView, TargetDissipation};
@@ -80,7 +81,7 @@ impl SolverRun<'_> {
         self.scale_masses();
         let is_fresh = self.current.state.elements.is_pending();
         if is_fresh {
-            self.give_fields();
+            self.give_fields()?;
             self.apply_temperatures();
         }
         let State { elements, dofs, .. } = &mut self.current.state;
@@ -119,12 +120,16 @@ impl SolverRun<'_> {
 
     /// Sets prescribed temperatures and field variables of elements.
     #[inline(never)]
-    fn give_fields(&mut self) {
-        let State { elements, user_amplitudes, .. } = &mut self.current.state;
-        let Some(id) = elements.fields.as_ref().map(|f| f.id) else { return };
+    fn give_fields(&mut self) -> Result<(), HaltReason> {
+        let RunState { state, now, last_increment, .. } = &mut self.current;
+        let State { elements, user_amplitudes, dofs, .. } = state;
+        let Some(id) = elements.fields.as_ref().map(|f| f.id) else { return Ok(()) };
         let started = self.timing.start(id);
-        elements.give_fields(&AmplitudeClock { now: self.current.now, user_amplitudes });
+        let routine = self.user.routines.nodal_fields.as_deref_mut();
+        let input = NodalFieldInput { dofs, increment: *last_increment, routine };
+        let result = elements.give_fields(&AmplitudeClock { now: *now, user_amplitudes }, input);
         self.timing.stop(started, id);
+        result
     }
 
     /// Adds the heat of plastic work and evaluates heat conduction.

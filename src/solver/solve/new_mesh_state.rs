@@ -9,6 +9,7 @@ use crate::constraint::equation::EquationConstraint;
 use crate::constraint::{PreviousPlace, of_kind_mut, prescribed_motions};
 use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
+use crate::element::user_field::NodalFieldInput;
 use crate::heat::ThermalState;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::quad;
@@ -102,8 +103,11 @@ impl MeshChange<'_> {
 
     /// Sets prescribed temperatures and field variables of elements at this instant.
     fn give_fields(&mut self, now: Instant) {
-        let State { elements, user_amplitudes, .. } = &mut *self.state;
-        elements.give_fields(&AmplitudeClock { now, user_amplitudes });
+        let State { elements, user_amplitudes, dofs, .. } = &mut *self.state;
+        let input = NodalFieldInput { dofs, increment: 0.0, routine: None };
+        // Only a user subroutine can fail. Bodies with new meshes have none for their fields.
+        let given = elements.give_fields(&AmplitudeClock { now, user_amplitudes }, input);
+        debug_assert!(given.is_ok(), "no subroutine is called");
     }
 
     /// Takes the state of other element groups, and of adaptive domains.

@@ -1,6 +1,6 @@
 //! Arguments of calls as messages: one list of fields defines both writing and reading.
 
-use super::super::{HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall};
+use super::super::{HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall, NodalFieldCall};
 use super::message::{MessageField, MessageReader, MessageWriter, get, put};
 
 /// Implements messages for calls of which all fields are sent.
@@ -21,6 +21,7 @@ macro_rules! calls {
 
 calls! {
     MotionCall { set, kind, node, dof, now, increments, amplitude, coordinates, state, across, mass }
+    NodalFieldCall { set, now, lengths, variables, nodes, coordinates, motion }
     MaterialCall {
         name, now, dt, count, integration_point, variables, properties, coordinates, length, density, strain, spin,
         elements, temperature, fields, field, stretch, gradient, stress, state, internal, inelastic

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::super::{
     AmplitudeAnswer, AmplitudeCall, AnalysisMoment, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
-    LoadPoints, MaterialAnswer, MaterialCall, MotionCall, RunAction, UserAmplitude, UserEvents, UserHardening,
-    UserLengths, UserLoad, UserMaterial, UserMotion,
+    LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, RunAction, UserAmplitude, UserEvents,
+    UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
 };
 use super::channel::RoutineChannel;
 use super::message::{MessageField as _, MessageWriter, put};
@@ -107,6 +107,12 @@ impl UserHardening for RoutineClient {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         let HardeningAnswer { stress, by_temperature, slopes, state } = answer;
         self.call(TurnPurpose::Hardening, |to| call.put(to), [stress, by_temperature, slopes, state])
+    }
+}
+
+impl UserNodalFields for RoutineClient {
+    fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure> {
+        self.call(TurnPurpose::NodalFields, |to| call.put(to), [values])
     }
 }
 

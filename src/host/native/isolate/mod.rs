@@ -63,6 +63,7 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
             "vdisp" => routines.with_motion(client),
             "vumat" => routines.with_material(client),
             "vuhard" => routines.with_hardening(client),
+            "vufield" => routines.with_nodal_fields(client),
             "vucharlength" => routines.with_lengths(client),
             _ => routines.with_events(client),
         };

@@ -4,7 +4,7 @@
 use super::super::subroutines::{ArgumentKind, interface};
 use super::super::{
     AmplitudeCall, AnalysisMoment, HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints, LockedRoutines,
-    MaterialAnswer, MaterialCall, MotionCall, bounds_advice,
+    MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, bounds_advice,
 };
 use super::message::{AnswerLists, MessageField as _, MessageReader, get};
 use super::shared_memory::{CallExchange, TurnPurpose};
@@ -62,6 +62,11 @@ impl RoutineServer {
                 let [stress, by_temperature, slopes, state] = answers.take(from);
                 let mut answer = HardeningAnswer { stress, by_temperature, slopes, state };
                 routines.hardening.as_deref_mut()?.yield_stress(&call, &mut answer)
+            }
+            TurnPurpose::NodalFields => {
+                let call = NodalFieldCall::get(from);
+                let [values] = answers.take(from);
+                routines.nodal_fields.as_deref_mut()?.nodal_fields(&call, values)
             }
             TurnPurpose::Lengths => {
                 let call = LengthCall::get(from);

@@ -33,6 +33,7 @@ pub enum TurnPurpose {
     Motion,
     Material,
     Hardening,
+    NodalFields,
     Lengths,
     Moment,
     RestartFollows,
@@ -44,12 +45,13 @@ pub const REQUEST: u32 = 100;
 pub const LEAVE: u32 = 101;
 
 /// Purposes of calls in the order of their numbers, with the names of the subroutines.
-const PURPOSES: [(TurnPurpose, &str); 8] = [
+const PURPOSES: [(TurnPurpose, &str); 9] = [
     (TurnPurpose::Load, "vdload"),
     (TurnPurpose::Amplitude, "vuamp"),
     (TurnPurpose::Motion, "vdisp"),
     (TurnPurpose::Material, "vumat"),
     (TurnPurpose::Hardening, "vuhard"),
+    (TurnPurpose::NodalFields, "vufield"),
     (TurnPurpose::Lengths, "vucharlength"),
     (TurnPurpose::Moment, "vexternaldb"),
     (TurnPurpose::RestartFollows, "vexternaldb"),

@@ -94,7 +94,7 @@ card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE IN
 } refused {
     "applies only to implicit analyses": "ELASTIC SLIP", "LAGRANGE";
     "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
-    "user-defined friction is unsupported": "USER", "DEPVAR", "PROPERTIES";
+    "contact solves the forces of all points together, with a coefficient of friction; user subroutines cannot set them": "USER", "DEPVAR", "PROPERTIES";
 }, values: [f64; 3] = [
     (when "EXPONENTIAL DECAY" lines ["static coefficient" (NOT_NEGATIVE.or(0.0)), "kinetic coefficient" (NOT_NEGATIVE.required()),
         "decay coefficient" (NOT_NEGATIVE.required())]),

@@ -101,13 +101,17 @@ pub const CARDS: &[Keyword] = &[
         "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW: fields of earlier steps return to their initial values",
         "AMPLITUDE" read "Amplitude of the values; without it they apply at once",
         "INPUT" read "File with the data lines",
-        "USER" refused "subroutine VUFIELD is unsupported; use VUSDFLD",
+        "USER" (FLAG) "User subroutine VUFIELD sets the values",
+        "NUMBER" (INTEGER.from(1.0).to(100.0)) "With USER: number of variables that the subroutine sets together, from VARIABLE on; default 1",
+        "BLOCKING" inert "VUFIELD is called for at most 128 nodes",
         "FILE" refused "results of another job cannot be read",
     } refused {
         "applies only to FILE": "BSTEP", "BINC", "ESTEP", "EINC", "INTERPOLATE", "MIDSIDE", "OUTPUT VARIABLE", "DRIVING ELSETS",
             "ABSOLUTE EXTERIOR TOLERANCE", "EXTERIOR TOLERANCE";
-        "applies only to USER": "NUMBER", "BLOCKING";
-    }, [(rows ["node or set", "field variable" (NUMBER.required())])]),
+    }, [
+        (when "USER" rows ["node or set", "field variable" inert "VUFIELD sets the values"]),
+        (rows ["node or set", "field variable" (NUMBER.required())]),
+    ]),
     row!("TEMPERATURE", "Temperatures at nodes over time, for steps that do not solve for them", (step), {
         "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW: temperatures of earlier steps return to their initial values",
         "AMPLITUDE" read "Amplitude of the temperatures; without it they apply at once",

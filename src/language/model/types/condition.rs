@@ -127,12 +127,27 @@ pub struct PrescribedField {
     pub nodes: Vec<usize>,
     /// Name of the node set, or the node, as written in the deck.
     pub set: String,
+    /// Number of variables that user subroutine VUFIELD sets together, from `variable` on (`USER`, `NUMBER`); `None` if the
+    /// value is given.
+    pub user: Option<usize>,
     /// Value, scaled by the amplitude.
     pub value: f64,
     /// Amplitude; `None` for a constant value.
     pub amplitude: Option<AmplitudeId>,
     /// Source position of the data line.
     pub span: Span,
+}
+
+impl PrescribedField {
+    /// Returns whether both prescribe a variable.
+    pub fn shares_variable(&self, other: &PrescribedField) -> bool {
+        match (self.variable, other.variable) {
+            (PredefinedVariable::Field(a), PredefinedVariable::Field(b)) => {
+                a < b + other.user.unwrap_or(1) && b < a + self.user.unwrap_or(1)
+            }
+            (a, b) => a == b,
+        }
+    }
 }
 
 /// Quantity that a boundary condition prescribes.

@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use crate::deck::{Diagnostic, Span};
 use crate::element::group::NodalVariable;
-use crate::element::predefined::{FieldGroup, NodalFieldValue, PredefinedField, PredefinedFields, mean};
+use crate::element::predefined::{FieldGroup, NodalFieldValue, PredefinedField, PredefinedFields, StepFields, mean};
+use crate::element::user_field::UserNodalField;
 use crate::material::PointValue;
-use crate::model::{InitialKind, MaterialDefinition, Model, PredefinedVariable, ShellSection};
+use crate::model::{InitialKind, MaterialDefinition, Model, PredefinedVariable, PrescribedField, ShellSection, Step};
 use crate::plan::heat::initial_temperatures;
 use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
 use crate::plan::solids::user_material::materials_present;
 use crate::plan::state::SolidState;
 use crate::plan::{Report, Scene, SolidPlaces};
+use crate::state::EffectId;
 use crate::variables::Variable;
 
 /// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
@@ -60,15 +62,29 @@ pub fn plan(scene: Scene, state: &SolidState, report: &mut Report) -> Option<Box
         PredefinedVariable::Field(variable) => variable < most_read,
     };
     let mut id = None;
-    let mut steps: Vec<Arc<[NodalFieldValue]>> = Vec::new();
+    let mut steps: Vec<Arc<StepFields>> = Vec::new();
     for (index, step) in scene.model.steps.iter().enumerate() {
-        if index > 0 && scene.model.steps[index - 1].fields == step.fields {
+        // User fields have the duration of their step.
+        let continues = |previous: &Step| {
+            let has_user = step.fields.iter().any(|field| field.user.is_some());
+            previous.fields == step.fields && (!has_user || previous.duration == step.duration)
+        };
+        if index > 0 && continues(&scene.model.steps[index - 1]) {
             steps.extend(steps.last().cloned());
             continue;
         }
-        let mut list = Vec::new();
+        let mut list = StepFields::default();
         for field in step.fields.iter().filter(|field| is_read(field.variable)) {
             let nodes: Vec<usize> = field.nodes.iter().filter_map(|n| scene.places.nodes.get(n).copied()).collect();
+            if let Some(count) = field.user {
+                let row = user_field_row(field, count, nodes.len(), report)?;
+                id = id.or(Some(row));
+                let PredefinedVariable::Field(variable) = field.variable else { continue };
+                let (set, numbers) = (field.set.to_uppercase(), node_numbers(scene, &field.nodes));
+                let variables = [variable, count];
+                list.user.push(UserNodalField { set, variables, nodes, numbers, duration: step.duration });
+                continue;
+            }
             let (name, variable) = match field.variable {
                 PredefinedVariable::Temperature => ("temperature".into(), NodalVariable::Temperature),
                 PredefinedVariable::Field(at) => (format!("variable {}", at + 1), NodalVariable::Field(at)),
@@ -77,11 +93,30 @@ pub fn plan(scene: Scene, state: &SolidState, report: &mut Report) -> Option<Box
             let row = report.ledger_row(field.span, "predefined fields", nodes.len(), "nodes", detail);
             id = id.or(Some(row));
             let magnitude = magnitude(scene, field.value, field.amplitude, report);
-            list.push(NodalFieldValue { variable, nodes, magnitude });
+            list.given.push(NodalFieldValue { variable, nodes, magnitude });
         }
-        steps.push(list.into());
+        steps.push(Arc::new(list));
     }
     Some(Box::new(PredefinedFields::new(id?, fields_of_groups(scene, state, warmed), steps)))
+}
+
+/// Returns the ledger row of a field of a user subroutine; `None` if the subroutine is missing, which is an error.
+fn user_field_row(field: &PrescribedField, count: usize, nodes: usize, report: &mut Report) -> Option<EffectId> {
+    report.require_routine(field.span, "field", "*FIELD, USER calls vufield", "vufield")?;
+    let PredefinedVariable::Field(first) = field.variable else { return None };
+    let variables = match count {
+        1 => format!("variable {}", first + 1),
+        _ => format!("variables {} to {}", first + 1, first + count),
+    };
+    let detail = format!("{variables} on {} by vufield", field.set);
+    Some(report.ledger_row(field.span, "predefined fields", nodes, "nodes", detail))
+}
+
+/// Returns the numbers in the deck of the mesh nodes that are solver nodes.
+fn node_numbers(scene: Scene, nodes: &[usize]) -> Vec<i32> {
+    let names = &scene.model.mesh.node_names;
+    let numbers = nodes.iter().filter(|n| scene.places.nodes.contains_key(n));
+    numbers.map(|&n| names[n].parse().unwrap_or(n as i32 + 1)).collect()
 }
 
 /// Returns the temperature and the field variables with the groups of elements that have them.
@@ -111,6 +146,10 @@ fn fields_of_groups(scene: Scene, state: &SolidState, warmed: BTreeSet<usize>) -
 /// Returns whether all prescribed temperatures and field variables, and those at the start, have the same value at the given
 /// nodes (ascending): a mesh may then move through the material.
 pub fn has_uniform_fields(model: &Model, nodes: &[usize]) -> bool {
+    let mut of_routine = model.steps.iter().flat_map(|step| &step.fields).filter(|field| field.user.is_some());
+    if of_routine.any(|field| nodes.iter().any(|node| field.nodes.binary_search(node).is_ok())) {
+        return false;
+    }
     let prescribed = model.steps.iter().flat_map(|step| &step.fields).map(|field| &field.nodes);
     let is_of_nodes = |kind: &InitialKind| matches!(kind, InitialKind::Temperature(_) | InitialKind::Field(..));
     let at_start = model.initial_conditions.iter().filter(|c| is_of_nodes(&c.kind)).map(|c| &c.members);
