@@ -44,6 +44,14 @@ fn worst_around(mesh: &BodyMesh, around: &[u32]) -> f64 {
     around.iter().map(quality).fold(f64::INFINITY, f64::min)
 }
 
+/// Returns the quality of the worst element at a node; `None` if an element is not better than a limit.
+fn worst_above(mesh: &BodyMesh, around: &[u32], limit: f64) -> Option<f64> {
+    around.iter().try_fold(f64::INFINITY, |worst, e| {
+        let worst = worst.min(quality(&mesh.quads[*e as usize], &mesh.points, mesh.sizes[*e as usize]));
+        (worst > limit).then_some(worst)
+    })
+}
+
 /// Moves a node to the middle of its neighbours in the elements around it if this improves the worst element; otherwise
 /// to the best of several places around it.
 fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
@@ -68,8 +76,7 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
     };
     let mut attempt = |place: [f64; 2], best: &mut (f64, [f64; 2])| {
         mesh.points[n] = place;
-        let worst = worst_around(mesh, around);
-        if worst > best.0 {
+        if let Some(worst) = worst_above(mesh, around, best.0) {
             *best = (worst, place);
         }
     };

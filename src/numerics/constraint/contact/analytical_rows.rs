@@ -76,8 +76,7 @@ impl ContactConstraint {
             let is_far = nearest.gap - path.zero >= reach + overclosure.onset_gap() && !is_start;
             let zeros = [zero_of(key), zero_of(key + secondary.points.len() as u32)];
             if start_gap < pair.search.reach() && !nearest.beyond {
-                keys.opening[key as usize] = start_gap;
-                keys.are_clear[0] = false;
+                keys.set_opening(key, start_gap);
             }
             if nearest.beyond || is_far {
                 continue;

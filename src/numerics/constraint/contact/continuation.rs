@@ -36,7 +36,7 @@ impl ContactConstraint {
         let stored = &previous.keys.stored_energy.stored;
         let density = |key: usize| if stored[key] > 0.0 { stored[key] / previous_areas[key] } else { 0.0 };
         let continued = self.active_pairs_of(previous);
-        let energies = &mut self.keys.stored_energy.stored;
+        let energies = self.keys.stored_energy.stored_mut();
         for (key, place) in places {
             energies[key as usize] = place.value(density) * areas[key as usize];
         }

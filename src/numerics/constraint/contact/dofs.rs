@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use super::curve::{PointCarrier, SurfacePoint};
 use super::sweeps::{ContactRows, ContactVelocities, NONE};
+use super::written::WrittenEntries;
 use crate::constraint::bonds::MergedDofs;
 use crate::constraint::system::change_velocity;
 use crate::kernel::lanes::InlineMap;
@@ -15,7 +16,7 @@ use crate::state::energies::EnergyTotals;
 
 /// Degrees of freedom of the points of a contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: impulses, bodies; derived: of_points, list, prescribed_nodes, merged, motion, means)]
+#[persist(fixed: impulses, bodies; derived: of_points, list, prescribed_nodes, merged, motion, written_impulses, means)]
 pub(super) struct ContactDofs {
     /// Degrees of freedom of each point along r and z; [`NONE`] where it has none.
     pub(super) of_points: Vec<[u32; 2]>,
@@ -28,7 +29,8 @@ pub(super) struct ContactDofs {
     pub(super) motion: ContactVelocities,
     /// Impulses on degrees of freedom along the normal and along the surface.
     pub(super) impulses: Vec<[f64; 2]>,
-    /// Mean velocity of each degree of freedom during the impulses of the increment.
+    written_impulses: WrittenEntries,
+    /// Mean velocity of each degree of freedom near another surface during the impulses of the increment.
     pub(super) means: Vec<f64>,
     pub(super) bodies: Vec<ContactBody>,
     /// Time over which forces last acted on velocities.
@@ -164,6 +166,17 @@ impl ContactDofs {
         let mut impulses = std::mem::take(&mut self.impulses);
         self.pass_values(&mut impulses, previous, &previous.impulses);
         self.impulses = impulses;
+        self.written_impulses.forget();
+    }
+
+    /// Notes that impulses have been read from a file.
+    pub(super) fn forget_written(&mut self) {
+        self.written_impulses.forget();
+    }
+
+    /// Allocates the list of written impulses.
+    pub(super) fn reserve(&mut self) {
+        self.written_impulses.reserve(2 * self.list.len());
     }
 
     /// Sets the values of degrees of freedom to those of the same ones of the previous contact, and the others to zero.
@@ -223,9 +236,12 @@ impl ContactDofs {
 
     /// Sums the impulses of rows on degrees of freedom.
     pub(super) fn gather_impulses(&mut self, rows: &ContactRows) {
-        self.impulses.fill([0.0; 2]);
+        self.written_impulses.reset(&mut self.impulses, [0.0; 2]);
         for row in rows.rows.iter().filter(|row| row.acts()) {
             for term in rows.terms_of(row) {
+                if self.impulses[term.dof as usize] == [0.0; 2] {
+                    self.written_impulses.add(term.dof);
+                }
                 let [normal, slip] = &mut self.impulses[term.dof as usize];
                 *normal += term.normal * row.normal_impulse;
                 *slip += term.slip * row.whole_shear();
@@ -239,10 +255,10 @@ impl ContactDofs {
         let half = self.half;
         let Dofs { bodies, nodes, energies, .. } = dofs;
         let mut work = ImpulseWork::default();
-        self.means.fill(0.0);
         for i in near.iter().map(|i| *i as usize) {
             let ((dof, prescribed), impulse) = (self.list[i], self.impulses[i]);
             if impulse == [0.0; 2] {
+                self.means[i] = 0.0;
                 continue;
             }
             let change = self.motion.inverse_mass[i] * (impulse[0] + impulse[1]);
@@ -292,7 +308,6 @@ impl ContactDofs {
     pub(super) fn complete_velocities(&mut self, near: &[u32], part: f64, dofs: &mut Dofs) -> ImpulseWork {
         let Dofs { bodies, nodes, energies, .. } = dofs;
         let mut work = ImpulseWork::default();
-        self.means.fill(0.0);
         for i in near.iter().map(|i| *i as usize) {
             let ((dof, prescribed), impulse) = (self.list[i], self.impulses[i].inline_map(|j| part * j));
             let change = self.motion.inverse_mass[i] * (impulse[0] + impulse[1]);

@@ -266,8 +266,14 @@ impl GapIntegrator {
         let point_shape = FacetShape { from: place, ..FacetShape::default() };
         let faces =
             |j: u32| normals.is_none_or(|all| all.iter().any(|n| cosine(n, &other.shapes[j as usize]) < FACING));
-        let facing = candidates.iter().filter(|j| faces(**j));
-        self.facing.extend(facing.map(|&j| FacingFacet::new(j, &point_shape, other)));
+        let (mut nearest, mut least) = (None, f64::INFINITY);
+        for &j in candidates.iter().filter(|j| faces(**j)) {
+            let square = squared_distance(place, &other.shapes[j as usize]);
+            if square < least {
+                (nearest, least) = (Some(j), square);
+            }
+        }
+        self.facing.extend(nearest.map(|j| FacingFacet::new(j, &point_shape, other)));
         let nearest = self.nearest(&point_shape, 0.0, other, [&|_| false, &|_| false])?;
         if normals.is_some() && nearest.corner.is_some() {
             return None;
@@ -501,6 +507,16 @@ impl GapIntegrator {
             None => self.shares.push(GapDerivative { point, of }),
         }
     }
+}
+
+/// Returns the squared distance of a place from a facet.
+#[inline]
+fn squared_distance(place: [f64; 2], facet: &FacetShape) -> f64 {
+    let d = [place[0] - facet.from[0], place[1] - facet.from[1]];
+    let part = (d[0] * facet.along[0] + d[1] * facet.along[1]) * (1.0 / (facet.length * facet.length));
+    let part = part.clamp(0.0, 1.0);
+    let d = [0, 1].inline_map(|i| place[i] - facet.from[i] - part * facet.along[i]);
+    d[0] * d[0] + d[1] * d[1]
 }
 
 /// Returns the largest overlap of two facets if one is a side of a line without thickness: half the thickness of the

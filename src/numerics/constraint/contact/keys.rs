@@ -5,7 +5,8 @@ use super::active_pairs::ActivePairs;
 use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::slip_damping::SlipDamping;
 use super::stored_energy::StoredEnergy;
-use super::sweeps::{ContactRow, ContactRows, ContactVelocities};
+use super::sweeps::{ContactRow, ContactRows, ContactVelocities, most_rows};
+use super::written::WrittenEntries;
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
@@ -13,7 +14,7 @@ use crate::state::archive::Persist;
 
 /// Values of all keys.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: pressures, gap_offsets, opening, slip; derived: are_clear)]
+#[persist(fixed: pressures, gap_offsets, opening, slip; derived: written_openings, written_pressures)]
 pub(super) struct KeyValues {
     /// Pressure and shear stress of each key over the previous increment.
     pub(super) pressures: Vec<[f64; 2]>,
@@ -23,8 +24,9 @@ pub(super) struct KeyValues {
     pub(super) slip_damping: SlipDamping,
     /// Difference that is subtracted from the gap of each key; empty if all are zero.
     pub(super) gap_offsets: Vec<f64>,
-    /// Whether no key has an opening, and whether none has a pressure.
-    pub(super) are_clear: [bool; 2],
+    /// Keys with an opening, and keys with a pressure.
+    written_openings: WrittenEntries,
+    written_pressures: WrittenEntries,
     /// Gap of each key, for output; NaN if no surface is near.
     pub(super) opening: Vec<f64>,
     /// Accumulated slip of each key while in contact, for output.
@@ -53,6 +55,23 @@ impl KeyValues {
         self.pressures.len()
     }
 
+    /// Notes that any key may have values.
+    pub(super) fn forget_written(&mut self) {
+        self.written_openings.forget();
+        self.written_pressures.forget();
+        self.slip_damping.forget_written();
+        self.stored_energy.forget_written();
+    }
+
+    /// Allocates the lists of written keys.
+    pub(super) fn reserve(&mut self) {
+        let rows = most_rows(self.count());
+        self.written_openings.reserve(rows);
+        self.written_pressures.reserve(rows);
+        self.slip_damping.reserve(rows);
+        self.stored_energy.reserve(rows);
+    }
+
     /// Returns the difference that is subtracted from the gap of a key.
     #[inline]
     pub(super) fn gap_offset(&self, key: usize) -> f64 {
@@ -70,7 +89,7 @@ impl KeyValues {
         self.pressures[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressures[other][part]));
         self.stored_energy.take_over(key, &previous.stored_energy, place);
         self.slip_damping.take_over(key, &previous.slip_damping, place);
-        self.are_clear = [false; 2];
+        self.forget_written();
         self.opening[key] = place.value(|other| previous.opening[other]);
         self.slip[key] = place.value(|other| previous.slip[other]);
         let offset = place.value(|other| previous.gap_offset(other));
@@ -84,6 +103,7 @@ impl KeyValues {
 
     /// Moves the values to the new places of the keys on adaptive meshes, energies excepted.
     pub(super) fn carry(&mut self, mesh: &mut MeshContinuation) {
+        self.written_pressures.forget();
         mesh.carry(&mut self.pressures, |[pressure, _]| pressure);
         mesh.carry(&mut self.pressures, |[_, shear]| shear);
         mesh.carry(&mut self.gap_offsets, |offset| offset);
@@ -93,28 +113,30 @@ impl KeyValues {
 
     /// Stores the pressures of rows whose impulses have acted over the time `half`.
     pub(super) fn store_pressures(&mut self, rows: &ContactRows, half: f64, active: &ActivePairs) {
-        if !std::mem::replace(&mut self.are_clear[1], true) {
-            active.fill(&mut self.pressures, [0.0; 2]);
-        }
+        self.written_pressures.reset_keys(&mut self.pressures, [0.0; 2], active);
         for row in rows.rows.iter().filter(|row| row.acts()) {
             self.pressures[row.key as usize] = [row.normal_impulse / half, row.shear_impulse / half];
-            self.are_clear[1] = false;
+            self.written_pressures.add(row.key);
         }
     }
 
     /// Removes the openings of the previous increment.
     pub(super) fn clear_openings(&mut self, active: &ActivePairs) {
-        if !std::mem::replace(&mut self.are_clear[0], true) {
-            active.fill(&mut self.opening, f64::NAN);
-        }
+        self.written_openings.reset_keys(&mut self.opening, f64::NAN, active);
     }
 
     /// Stores the gaps at the start of the increment.
     pub(super) fn store_openings(&mut self, rows: &[ContactRow]) {
         for row in rows.iter().filter(|row| row.closest_point.is_none()) {
             self.opening[row.key as usize] = row.gap / row.area;
-            self.are_clear[0] = false;
+            self.written_openings.add(row.key);
         }
+    }
+
+    /// Stores the gap of a key at the start of the increment.
+    pub(super) fn set_opening(&mut self, key: u32, gap: f64) {
+        self.opening[key as usize] = gap;
+        self.written_openings.add(key);
     }
 
     /// Adds the slip of an increment of length `dt`.

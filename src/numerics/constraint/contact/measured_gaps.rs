@@ -3,7 +3,7 @@
 
 use super::analytical::ClosestPoint;
 use super::curve::FacetCurve;
-use super::gaps::{FacetGap, GapIntegrator, SinglePoint};
+use super::gaps::{GapIntegrator, SinglePoint};
 use super::keys::KeyValues;
 use super::pairs::ContactPair;
 use super::surfaces::ContactSurfaces;
@@ -66,28 +66,22 @@ impl MeasuredGaps {
         let (secondary, other) = surfaces.sides(pair);
         let (onset, reach) = (pair.onset_gap(laws), pair.search.reach());
         let mut is_near = false;
-        for (at, &k) in secondary.exposed.iter().enumerate() {
-            let candidates = pair.search.facets.of(at);
-            pair.facet_gaps[k as usize] = match candidates.is_empty() {
-                true => FacetGap::default(),
-                false => self.facets.facet_gap((secondary, k as usize), other, candidates, reach, onset),
-            };
-            is_near |= pair.facet_gaps[k as usize].area != [0.0; 2];
+        let close = std::mem::take(&mut pair.search.close);
+        for (at, &k) in close.facets.iter().enumerate() {
+            let candidates = close.candidates.of(at);
+            let gaps = self.facets.facet_gap((secondary, k as usize), other, candidates, reach, onset);
+            is_near |= gaps.area != [0.0; 2];
+            pair.facet_gaps[k as usize] = gaps;
         }
         if is_near {
             if onset.is_some() {
-                secondary
-                    .exposed_points
-                    .iter()
-                    .for_each(|&index| self.leave_out_open_facet(pair, secondary, index as usize));
+                close.points.iter().for_each(|&index| self.leave_out_open_facet(pair, secondary, index as usize));
             } else if pair.initial_clearance.is_none() {
                 secondary.kinks.iter().for_each(|&index| self.leave_out_open_side(pair, secondary, index as usize));
             }
-            for &index in secondary.exposed_points.iter().filter(|i| surfaces.near.has(secondary.points[**i as usize]))
-            {
-                self.add_row(pair, secondary, index as usize, sources);
-            }
+            close.points.iter().for_each(|&index| self.add_row(pair, secondary, index as usize, sources));
         }
+        pair.search.close = close;
         self.measure_single_points(pair, onset.is_some(), sources);
     }
 

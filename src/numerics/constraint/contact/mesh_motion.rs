@@ -95,7 +95,7 @@ impl MeshContinuation {
     /// Moves stored energies to the new places: energies per area are interpolated, and the sum of a pair is kept.
     fn carry_energies(&mut self, contact: &mut ContactConstraint) {
         let ContactConstraint { surfaces, pairs, keys, measured, .. } = contact;
-        let energies = &mut keys.stored_energy.stored;
+        let energies = keys.stored_energy.stored_mut();
         if energies.is_empty() {
             return;
         }
@@ -126,7 +126,7 @@ impl MeshContinuation {
                 let pair = &contact.pairs[index];
                 let first = pair.first_key as usize;
                 let keys = first..first + contact.surfaces.curves[pair.secondary].points.len();
-                replace_energies(&mut contact.keys.stored_energy.stored[keys.clone()], &self.stored[keys]);
+                replace_energies(&mut contact.keys.stored_energy.stored_mut()[keys.clone()], &self.stored[keys]);
             }
         }
     }

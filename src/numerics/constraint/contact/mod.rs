@@ -36,6 +36,7 @@ mod stored_energy;
 mod surfaces;
 mod sweeps;
 pub mod wall_stations;
+mod written;
 
 use self::analytical::AnalyticalSurface;
 use self::cohesion::CohesiveSurfaces;
@@ -280,6 +281,7 @@ impl ContactConstraint {
 
     fn measure_curves(&mut self) {
         let ContactConstraint { surfaces, pairs, laws, dofs, keys, measured, .. } = self;
+        surfaces.select_close(pairs);
         let sources = GapSources { surfaces, laws, keys, dofs_of: &dofs.of_points };
         for &index in &surfaces.active.near {
             measured.measure_pair(&mut pairs[index as usize], sources);
@@ -412,7 +414,8 @@ impl ContactConstraint {
         if archive.reads() {
             self.surfaces.list_points();
             self.activate_pairs_with_values();
-            self.keys.are_clear = [false; 2];
+            self.keys.forget_written();
+            self.dofs.forget_written();
             self.check_bonds(archive);
         }
     }
@@ -434,6 +437,8 @@ impl Constraint for ContactConstraint {
         let keys = self.keys.count();
         self.dofs.begin(&mut self.measured.rows, dofs);
         self.measured.rows.reserve(keys, self.dofs.count());
+        self.dofs.reserve();
+        self.keys.reserve();
         self.surfaces.reserve_near(self.dofs.count());
         self.surfaces.active.reserve(&mut self.pairs, &self.surfaces.curves);
         self.measured.facets.reserve(keys);

@@ -107,6 +107,15 @@ impl ContactPair {
         self.is_near
     }
 
+    /// Selects the close candidates of facets while each point moves by at most `motion`. The other facets have no gaps.
+    pub(super) fn select_close(&mut self, curves: &[FacetCurve], motion: f64) {
+        for &k in &self.search.close.facets {
+            self.facet_gaps[k as usize] = FacetGap::default();
+        }
+        let other = self.other.map(|other| &curves[other]);
+        self.search.select_close(&curves[self.secondary], other, motion);
+    }
+
     /// Returns the keys of the pair.
     pub(super) fn keys(&self) -> Range<usize> {
         self.first_key as usize..self.end_key as usize

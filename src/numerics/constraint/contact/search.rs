@@ -14,6 +14,8 @@ const SLACK: f64 = 0.5;
 
 /// Factor on displacements, for rounding.
 const ROUNDING: f64 = 1.001;
+/// Displacement of a point after which the close candidates are selected again, as a fraction of the facet length.
+const CLOSE_SLACK: f64 = 0.1;
 /// Displacement of a point up to which surfaces may be known to be out of reach, as a fraction of the facet length.
 const QUIET_SLACK: f64 = 0.2;
 
@@ -31,7 +33,40 @@ pub struct ContactSearch {
     pub orphans: CandidateLists,
     /// Candidates on the own curve of each single point of the other curve.
     pub others: CandidateLists,
+    /// Facets and points that may come within reach before the next selection.
+    pub close: CloseParts,
     sorted: SortedBoxes,
+}
+
+/// Parts of the own curve with candidates that may come within reach before a point has moved by
+/// [`ContactSearch::close_slack`]. Only these are measured.
+#[derive(Clone, Debug, Default, Memory)]
+pub struct CloseParts {
+    /// Own facets with close candidates, in the order of the exposed facets.
+    pub facets: Vec<u32>,
+    /// Close candidates of each of these facets.
+    pub candidates: CandidateLists,
+    /// Points of these facets, as indices of points of the own curve, in the order of the exposed points.
+    pub points: Vec<u32>,
+    /// Whether each facet of the own curve has close candidates.
+    is_close: Vec<bool>,
+}
+
+impl CloseParts {
+    fn reserve(&mut self, facets: usize, candidates: usize) {
+        reserve_total(&mut self.facets, facets);
+        reserve_total(&mut self.points, 2 * facets);
+        reserve_total(&mut self.is_close, facets);
+        self.candidates.reserve(facets + 1, candidates);
+    }
+
+    fn clear(&mut self, facets: usize) {
+        self.facets.clear();
+        self.points.clear();
+        self.candidates.clear();
+        self.is_close.clear();
+        self.is_close.resize(facets, false);
+    }
 }
 
 /// Lists of indices, stored one after the other.
@@ -80,6 +115,7 @@ impl ContactSearch {
         self.facets.reserve(facets + 1, 16 * (facets + others));
         self.orphans.reserve(facets + 1, 4 * facets);
         self.others.reserve(others + 1, 4 * others);
+        self.close.reserve(facets, 16 * (facets + others));
         self.sorted.reserve(facets.max(others));
     }
 
@@ -92,6 +128,11 @@ impl ContactSearch {
     /// ([`Self::is_out_of_reach`]).
     pub fn quiet_slack(&self) -> f64 {
         QUIET_SLACK * self.length
+    }
+
+    /// Returns the displacement of a point at which the close candidates are selected again.
+    pub fn close_slack(&self) -> f64 {
+        CLOSE_SLACK * self.length
     }
 
     /// Returns the distance from a surface within which gaps are measured.
@@ -141,6 +182,31 @@ impl ContactSearch {
 }
 
 impl ContactSearch {
+    /// Selects from the candidates of facets those that may come within reach while each point moves by at most `motion`.
+    pub fn select_close(&mut self, own: &FacetCurve, other: Option<&FacetCurve>, motion: f64) {
+        self.close.clear(own.facets.len());
+        let (opposite, limit) = (other.unwrap_or(own), self.reach() + 2.0 * motion * ROUNDING);
+        let ContactSearch { facets, close: CloseParts { facets: close_facets, candidates, points, is_close }, .. } =
+            self;
+        for (at, &k) in own.exposed.iter().enumerate() {
+            let (bounds, lift) = (own.shapes[k as usize].bounds(), own.lift[k as usize]);
+            let is_near = |j: &&u32| {
+                let margin = limit + lift + opposite.lift[**j as usize];
+                !are_apart(bounds, opposite.shapes[**j as usize].bounds(), margin)
+            };
+            let first = candidates.list.len();
+            candidates.list.extend(facets.of(at).iter().filter(is_near));
+            if candidates.list.len() > first {
+                candidates.end_one();
+                close_facets.push(k);
+                is_close[k as usize] = true;
+            }
+        }
+        let has_close_facet =
+            |index: &&u32| own.around_own(**index as usize).iter().any(|facet| is_close[facet.0 as usize]);
+        points.extend(own.exposed_points.iter().filter(has_close_facet));
+    }
+
     /// Returns whether no candidates come within reach of each other while each point moves by at most `motion`.
     pub fn is_out_of_reach(
         &self,

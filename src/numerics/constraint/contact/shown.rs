@@ -32,7 +32,7 @@ impl ContactConstraint {
         if !pair.is_active {
             return sum;
         }
-        for &k in &secondary.exposed {
+        for &k in &pair.search.close.facets {
             let (facet, gaps) = (&secondary.facets[k as usize], &pair.facet_gaps[k as usize]);
             if gaps.area == [0.0; 2] {
                 continue;

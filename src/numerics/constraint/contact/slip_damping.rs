@@ -11,6 +11,7 @@
 use super::active_pairs::ActivePairs;
 use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
+use super::written::WrittenEntries;
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
@@ -23,7 +24,7 @@ const PRESSURE_APPROACH: f64 = 0.1;
 
 /// Slip rates of the keys in contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: slow, impulse, stress, pressure; derived: next, next_pressure)]
+#[persist(fixed: slow, impulse, stress, pressure; derived: written, next, next_pressure)]
 pub(super) struct SlipDamping {
     /// Slow part of the slip rate; NaN if not in contact. Empty without damping.
     slow: Vec<f64>,
@@ -38,6 +39,25 @@ pub(super) struct SlipDamping {
     next_pressure: Vec<[f64; 2]>,
     /// Work array: the slow parts at the end of the increment.
     next: Vec<f64>,
+    written: WrittenKeys,
+}
+
+/// Keys with values in each array of the damping.
+#[derive(Clone, Debug, Default, Memory)]
+struct WrittenKeys {
+    slow: WrittenEntries,
+    next: WrittenEntries,
+    impulse: WrittenEntries,
+    stress: WrittenEntries,
+    pressure: WrittenEntries,
+    next_pressure: WrittenEntries,
+}
+
+impl WrittenKeys {
+    fn all(&mut self) -> [&mut WrittenEntries; 6] {
+        let WrittenKeys { slow, next, impulse, stress, pressure, next_pressure } = self;
+        [slow, next, impulse, stress, pressure, next_pressure]
+    }
 }
 
 impl SlipDamping {
@@ -50,7 +70,20 @@ impl SlipDamping {
             pressure: vec![[f64::NAN; 2]; keys],
             next_pressure: vec![[f64::NAN; 2]; keys],
             next: vec![f64::NAN; keys],
+            written: WrittenKeys::default(),
         }
+    }
+
+    /// Allocates the lists of written keys for a number of rows.
+    pub(super) fn reserve(&mut self, rows: usize) {
+        if !self.slow.is_empty() {
+            self.written.all().into_iter().for_each(|list| list.reserve(rows));
+        }
+    }
+
+    /// Notes that any key may have values.
+    pub(super) fn forget_written(&mut self) {
+        self.written.all().into_iter().for_each(WrittenEntries::forget);
     }
 
     /// Takes the slip rate of a key from the previous contact.
@@ -58,6 +91,7 @@ impl SlipDamping {
         if self.slow.is_empty() || previous.slow.is_empty() {
             return;
         }
+        self.forget_written();
         self.slow[key] = place.value(|other| previous.slow[other]);
         self.impulse[key] = place.value(|other| previous.impulse[other]);
         self.stress[key] = place.value(|other| previous.stress[other]);
@@ -66,6 +100,7 @@ impl SlipDamping {
 
     /// Moves the values to the new places of the keys on adaptive meshes.
     pub(super) fn carry(&mut self, mesh: &mut MeshContinuation) {
+        self.forget_written();
         for values in [&mut self.slow, &mut self.impulse, &mut self.stress] {
             mesh.carry(values, |value| value);
         }
@@ -81,7 +116,7 @@ impl SlipDamping {
 
     /// Begins an increment without damping.
     pub(super) fn begin(&mut self, active: &ActivePairs) {
-        active.fill(&mut self.stress, 0.0);
+        self.written.stress.reset_keys(&mut self.stress, 0.0, active);
     }
 
     /// Applies the impulses of the damping to the velocities, before the contact impulses are solved for. Their limit is
@@ -103,16 +138,18 @@ impl SlipDamping {
             let limit = (friction.at_rest * pressure).min(friction.largest) * step.span.half;
             row.damping = impulse.clamp(-limit, limit);
             self.stress[row.key as usize] = row.damping / step.span.half;
+            self.written.stress.add(row.key);
             motion.shear(row.terms_in(terms), row.damping);
         }
     }
 
     /// Updates the slow parts of the pressures; `half` is the time over which the impulses act. Equation (10.5b).
     fn update_pressures(&mut self, rows: &ContactRows, laws: &[InteractionLaw], half: f64, active: &ActivePairs) {
-        active.fill(&mut self.next_pressure, [f64::NAN; 2]);
+        self.written.next_pressure.reset_keys(&mut self.next_pressure, [f64::NAN; 2], active);
         let is_damped = |row: &&ContactRow| !row.is_single_point && laws[row.law as usize].friction.damps();
         for row in rows.rows.iter().filter(is_damped).filter(|row| row.normal_impulse > 0.0) {
             let ([slow, slower], pressure) = (self.pressure[row.key as usize], row.normal_impulse / half);
+            self.written.next_pressure.add(row.key);
             let approached = slow + PRESSURE_APPROACH * (pressure - slow);
             self.next_pressure[row.key as usize] = match slow.is_nan() {
                 true => [pressure; 2],
@@ -120,6 +157,7 @@ impl SlipDamping {
             };
         }
         std::mem::swap(&mut self.pressure, &mut self.next_pressure);
+        std::mem::swap(&mut self.written.pressure, &mut self.written.next_pressure);
     }
 
     /// Updates the slip rates and pressures after the solution, and computes the impulses of the next increment. The rows
@@ -137,8 +175,8 @@ impl SlipDamping {
             return;
         }
         self.update_pressures(rows, laws, half, active);
-        active.fill(&mut self.next, f64::NAN);
-        active.fill(&mut self.impulse, 0.0);
+        self.written.next.reset_keys(&mut self.next, f64::NAN, active);
+        self.written.impulse.reset_keys(&mut self.impulse, 0.0, active);
         // Single points have no facets on which a wave could travel.
         let is_damped = |row: &&ContactRow| {
             !row.is_single_point
@@ -152,8 +190,11 @@ impl SlipDamping {
             self.next[key] = previous + APPROACH * (slip - previous);
             // For now the quick part of the slip rate; sticking rows have none.
             self.impulse[key] = if row.sticks { 0.0 } else { slip - self.next[key] };
+            self.written.next.add(row.key);
+            self.written.impulse.add(row.key);
         }
         std::mem::swap(&mut self.slow, &mut self.next);
+        std::mem::swap(&mut self.written.slow, &mut self.written.next);
         for pair in rows.rows.chunk_by(|a, b| pair_of(a.key) == pair_of(b.key)) {
             let slides = |row: &&ContactRow| is_damped(row) && !row.sticks;
             let (mut mass, mut moment) = (0.0, 0.0);

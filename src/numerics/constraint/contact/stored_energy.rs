@@ -9,30 +9,54 @@ use std::ops::Range;
 use super::active_pairs::ActivePairs;
 use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactVelocities, closed_overlap};
+use super::written::WrittenEntries;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 
 /// Energy that soft contact has stored, by the key of the contact row.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: stored; derived: next)]
+#[persist(fixed: stored; derived: next, written, written_next)]
 pub(super) struct StoredEnergy {
     /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
     pub(super) stored: Vec<f64>,
     /// Work array: stored energy at the end of the increment.
     next: Vec<f64>,
+    /// Keys with energies in both arrays.
+    written: WrittenEntries,
+    written_next: WrittenEntries,
 }
 
 impl StoredEnergy {
     /// Creates the store for a number of keys; the energies are determined in the first increment.
     pub(super) fn new(keys: usize) -> StoredEnergy {
-        StoredEnergy { stored: vec![f64::NAN; keys], next: vec![0.0; keys] }
+        StoredEnergy { stored: vec![f64::NAN; keys], next: vec![0.0; keys], ..StoredEnergy::default() }
+    }
+
+    /// Allocates the lists of written keys for a number of rows.
+    pub(super) fn reserve(&mut self, rows: usize) {
+        if !self.stored.is_empty() {
+            [&mut self.written, &mut self.written_next].into_iter().for_each(|list| list.reserve(rows));
+        }
+    }
+
+    /// Notes that any key may have an energy.
+    pub(super) fn forget_written(&mut self) {
+        self.written.forget();
+        self.written_next.forget();
+    }
+
+    /// Returns the energies, of which any may be changed.
+    pub(super) fn stored_mut(&mut self) -> &mut [f64] {
+        self.written.forget();
+        &mut self.stored
     }
 
     /// Begins keys in a run: they have stored no energy.
     pub(super) fn begin_keys(&mut self, keys: Range<usize>) {
         if let Some(stored) = self.stored.get_mut(keys) {
             stored.fill(0.0);
+            self.written.forget();
         }
     }
 
@@ -40,6 +64,7 @@ impl StoredEnergy {
     pub(super) fn take_over(&mut self, key: usize, previous: &StoredEnergy, place: KeyPlace) {
         if let Some(own) = self.stored.get_mut(key).filter(|_| !previous.stored.is_empty()) {
             *own = place.value(|other| previous.stored[other]);
+            self.written.forget();
         }
     }
 
@@ -54,7 +79,7 @@ impl StoredEnergy {
         if self.stored.is_empty() {
             return 0.0;
         }
-        active.fill(&mut self.next, 0.0);
+        self.written_next.reset_keys(&mut self.next, 0.0, active);
         let mut initial = 0.0;
         for row in &mut rows.rows {
             let law = &laws[row.law as usize].overclosure;
@@ -88,6 +113,7 @@ impl StoredEnergy {
             *stored = (*stored + work).max(0.0);
         }
         std::mem::swap(&mut self.stored, &mut self.next);
+        std::mem::swap(&mut self.written, &mut self.written_next);
     }
 
     /// Returns the overlap of a soft row that work has been done for. The overlap at the start is given, and its energy
@@ -99,6 +125,7 @@ impl StoredEnergy {
         *initial += if begins { needed } else { 0.0 };
         let stored = if begins { needed } else { self.stored[key] };
         self.next[key] = if closed { stored } else { 0.0 };
+        self.written_next.add(key as u32);
         if needed <= stored { overlap } else { law.overlap_of_energy(stored / area, overlap) }
     }
 }

@@ -15,7 +15,7 @@ use crate::state::dofs::Dofs;
 
 /// Surfaces in contact and their current places.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed)]
+#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed, selected, close_slack)]
 #[memory(flat: analyticals)]
 pub(super) struct ContactSurfaces {
     pub(super) points: Vec<SurfacePoint>,
@@ -40,6 +40,10 @@ pub(super) struct ContactSurfaces {
     pub(super) near: NearParts,
     /// Positions of the points when candidate lists were built; empty if there are none.
     pub(super) listed: Vec<[f64; 2]>,
+    /// Positions of the points when close candidates were selected; empty if there are none.
+    selected: Vec<[f64; 2]>,
+    /// Displacement of a point after which close candidates are selected again.
+    close_slack: f64,
     /// Whether elements have been deleted since the previous increment.
     pub(super) uncovered: bool,
 }
@@ -56,6 +60,7 @@ impl ContactSurfaces {
         let mut surfaces = ContactSurfaces {
             places: vec![[0.0; 2]; points.len()],
             listed: Vec::with_capacity(points.len()),
+            selected: Vec::with_capacity(points.len()),
             active_points: Vec::with_capacity(2 * points.len() + analyticals.len()),
             points,
             curves,
@@ -186,6 +191,7 @@ impl ContactSurfaces {
         let least = |slacks: &mut dyn Iterator<Item = f64>| slacks.fold(f64::INFINITY, f64::min);
         self.slacks =
             [least(&mut searched().map(ContactSearch::slack)), least(&mut searched().map(ContactSearch::quiet_slack))];
+        self.close_slack = least(&mut searched().map(ContactSearch::close_slack));
         self.active = ActivePairs::new(pairs, &self.curves);
         self.numbers = (0..).zip(pairs.iter()).map(|(index, pair)| [pair.number as u32, index]).collect();
         self.numbers.sort_unstable();
@@ -237,11 +243,7 @@ impl ContactSurfaces {
     /// Returns whether a point has moved too far since candidates were searched.
     pub(super) fn has_moved_far(&self, dofs: &Dofs, dt: f64) -> bool {
         let slack = self.slack;
-        let is_far = |place: [f64; 2], point: u32| {
-            let listed = self.listed[point as usize];
-            let d = [place[0] - listed[0], place[1] - listed[1]];
-            d[0] * d[0] + d[1] * d[1] > slack * slack
-        };
+        let is_far = |place: [f64; 2], point: u32| is_farther(place, self.listed[point as usize], slack);
         self.near.points.iter().any(|&point| is_far(self.places[point as usize], point))
             || self.near.others.iter().any(|&point| is_far(self.place_of(point, dofs, dt), point))
     }
@@ -254,7 +256,8 @@ impl ContactSurfaces {
         is_cohesive: impl Fn(usize) -> bool,
         dofs_of: &[[u32; 2]],
     ) {
-        let ContactSurfaces { curves, active, places, listed, .. } = self;
+        let ContactSurfaces { curves, active, places, listed, selected, .. } = self;
+        selected.clear();
         curves.iter_mut().for_each(|curve| curve.shape(places));
         listed.clear();
         listed.extend_from_slice(places);
@@ -277,6 +280,18 @@ impl ContactSurfaces {
         near.clear();
         near.extend(list.iter().copied().filter(|index| pairs[*index as usize].end_search()));
         self.list_near(pairs, is_cohesive, dofs_of);
+    }
+
+    /// Selects the close candidates of all near pairs again if a near point has moved too far since the last selection.
+    pub(super) fn select_close(&mut self, pairs: &mut [ContactPair]) {
+        let ContactSurfaces { curves, active, places, near, selected, close_slack, .. } = self;
+        let is_far = |point: &u32| is_farther(places[*point as usize], selected[*point as usize], *close_slack);
+        if !selected.is_empty() && !near.points.iter().any(is_far) {
+            return;
+        }
+        selected.clear();
+        selected.extend_from_slice(places);
+        active.near.iter().for_each(|index| pairs[*index as usize].select_close(curves, *close_slack));
     }
 
     /// Returns whether no surfaces of pairs without bonds are within reach before the next search, in which case they need
@@ -329,6 +344,13 @@ impl ContactSurfaces {
             self.places[point as usize] = moved.unwrap_or_else(|| self.place_of(point, dofs, 0.0));
         }
     }
+}
+
+/// Returns whether a place is farther from another one than a distance.
+#[inline]
+fn is_farther(place: [f64; 2], from: [f64; 2], distance: f64) -> bool {
+    let d = [place[0] - from[0], place[1] - from[1]];
+    d[0] * d[0] + d[1] * d[1] > distance * distance
 }
 
 /// Returns a body and the bits of a place on it, for comparisons; -0 and 0 are the same.

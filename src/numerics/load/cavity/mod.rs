@@ -3,6 +3,7 @@
 //! are loaded. Finite targets are in `finite`, tunnels opened by the body in `shadow` and `tunnel`, the law itself in
 //! `kernel::cavity`.
 
+mod arcs;
 mod face_motion;
 mod finite;
 mod nose;
@@ -14,6 +15,7 @@ mod shadow;
 mod skin;
 mod stack;
 mod stages;
+mod station_blocks;
 mod tunnel;
 
 use std::any::Any;

@@ -1,7 +1,7 @@
 //! Resistance on a rigid body with six degrees of freedom in a stack of inclined planes. The facets of its meridian are
 //! treated as rings; the sums over their stations are in `rings`.
 
-use super::rings::{RingKinematics, RingSet};
+use super::rings::{RigidCompliance, RingKinematics, RingSet};
 use super::stack::LayerStack;
 use crate::kernel::attitude::{SpatialVector, dot, norm};
 use crate::kernel::lists::Memory;
@@ -72,7 +72,7 @@ pub(super) struct ObliqueResistance {
     entered: bool,
     /// Total time at which the body left the stack, and whether through the rear face.
     exit: Option<(f64, bool)>,
-    /// Slope of the force over the speed in the regularised range.
+    /// Upper bound of the rate at which the regularised forces damp the motion, 1/s.
     damping: f64,
 }
 
@@ -118,6 +118,11 @@ impl ObliqueResistance {
             relative_to_pivot: in_body(self.tilt.relative_to_pivot(body.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
             friction: self.friction,
+            compliance: RigidCompliance {
+                mass: 1.0 / body.mass,
+                transverse: 1.0 / body.inertia.transverse,
+                axial: 1.0 / body.inertia.axial,
+            },
         }
     }
 
@@ -132,7 +137,7 @@ impl ObliqueResistance {
             return Some(Default::default());
         }
         let sum = self.rings.resist(stack, &scene);
-        self.damping = sum.damping;
+        self.damping = sum.damping();
         let attitude = body.attitude;
         let world = |w: &Wrench| Wrench { force: attitude.to_world(w.force), moment: attitude.to_world(w.moment) };
         let wrenches = [world(&sum.friction), world(&sum.pressure)];
@@ -199,8 +204,7 @@ impl ObliqueResistance {
         let distance = ahead + self.travel * (high - low);
         let mut time = if speed > 0.0 { distance / speed } else { f64::INFINITY };
         if inside && self.damping > 0.0 {
-            let yields = 1.0 / body.mass + body.size * body.size / body.inertia.transverse;
-            time = time.min(DAMPED / (self.damping * yields));
+            time = time.min(DAMPED / self.damping);
         }
         IncrementLimit { time, jump: false }
     }

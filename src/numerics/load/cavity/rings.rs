@@ -3,25 +3,24 @@
 //! lanes, so that every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::lanes::{InlineMap, inline_from_fn};
-use std::f64::consts::PI;
-
 use pulp::Arch;
 
+use super::arcs::{part_of_ring, whole_ring};
 use super::finite::StackBounds;
 use super::stack::LayerStack;
+use super::station_blocks::{LANES, LoadedStations, StationAngles, StationExtent, StationLanes, above_zero};
 use crate::kernel::attitude::{SpatialVector, dot};
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
+use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use crate::kernel::lists::Memory;
 use crate::load::stations::centroid;
 use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::Wrench;
 
-/// Number of stations per array, large enough that compilers vectorise loops over them.
-const LANES: usize = 16;
-/// Values of one quantity at a block of stations.
-type StationLanes = [f64; LANES];
+/// Share of the regularisation speed below which the damping of a motion does not limit the increment: its pressures are
+/// smaller than this share of the full ones.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// Surface of revolution of one facet.
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +28,10 @@ pub struct FacetRing {
     /// Radial and axial component of the outward normal.
     normal: [f64; 2],
     /// Radius of the circle through the centroids of the stations, and its height above the centre of mass.
-    radius: f64,
+    pub(super) radius: f64,
     height: f64,
     /// Half the vector along the facet, `[r, z]`.
-    along: [f64; 2],
+    pub(super) along: [f64; 2],
     /// Lever arm of the pressure about a transverse axis: height n_r - radius n_z.
     lever: f64,
     area: f64,
@@ -52,37 +51,25 @@ impl FacetRing {
             area: facet.area / stations as f64,
         }
     }
-}
 
-/// Cosines and sines of the angles of stations, at their midpoints and edges, padded to whole arrays.
-#[derive(Clone, Debug, Memory)]
-pub struct StationAngles {
-    count: usize,
-    middle: [Vec<StationLanes>; 2],
-    edges: [[Vec<StationLanes>; 2]; 2],
-    /// 1 for stations, 0 for padding.
-    weight: Vec<StationLanes>,
-    /// Half the angle of a station.
-    half: f64,
-}
+    /// Returns the smallest extent of stations that is resolved.
+    #[inline(always)]
+    pub(super) fn shortest_extent(&self) -> f64 {
+        1e-9 * (self.radius + self.along[0].abs() + self.along[1].abs())
+    }
 
-impl StationAngles {
-    pub fn new(count: usize) -> StationAngles {
-        let step = 2.0 * PI / count as f64;
-        let lanes = |of: &dyn Fn(usize) -> f64| -> Vec<StationLanes> {
-            (0..count.div_ceil(LANES)).map(|i| inline_from_fn(|l| of(i * LANES + l))).collect()
-        };
-        let around = |shift: f64| {
-            let angle = move |k: usize| step * (k as f64 + shift);
-            [lanes(&|k| libm::cos(angle(k))), lanes(&|k| libm::sin(angle(k)))]
-        };
-        StationAngles {
-            count,
-            middle: around(0.5),
-            edges: [around(0.0), around(1.0)],
-            weight: lanes(&|k| f64::from(u8::from(k < count))),
-            half: 0.5 * step,
-        }
+    /// Returns the squared change of the generalized velocity by a unit of normal velocity across the axis: `n_r²/M +
+    /// lever²/I_t`.
+    #[inline(always)]
+    fn transverse_compliance(&self, compliance: &RigidCompliance) -> f64 {
+        self.normal[0] * self.normal[0] * compliance.mass + self.lever * self.lever * compliance.transverse
+    }
+
+    /// Returns an upper bound of the squared change of the generalized velocity by a tangential force of 1.
+    #[inline(always)]
+    fn friction_compliance(&self, compliance: &RigidCompliance) -> f64 {
+        let (r, h) = (self.radius, self.height);
+        compliance.mass + (r * r + h * h) * compliance.transverse + r * r * compliance.axial
     }
 }
 
@@ -104,27 +91,56 @@ pub struct RingKinematics {
     pub onset: f64,
     /// Coulomb coefficient.
     pub friction: f64,
+    pub compliance: RigidCompliance,
 }
 
-/// Forces and moments on rings, and their slope over the speed.
+/// Inverse mass and inverse moments of inertia of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidCompliance {
+    pub mass: f64,
+    pub transverse: f64,
+    pub axial: f64,
+}
+
+/// Forces and moments on rings, and how fast they damp the motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RingForces {
     pub pressure: Wrench,
     pub friction: Wrench,
-    /// Slope of the force over the speed in the regularised range.
-    pub damping: f64,
+    /// Slope of the pressure over the speed in the regularised range, times area and compliance across the axis (1/s):
+    /// its sum over the rings.
+    transverse: RingSlope,
+    /// Upper bound of the rate of damping by friction and along the axis, 1/s.
+    other_damping: f64,
+}
+
+impl RingForces {
+    /// Returns an upper bound of the rate (1/s) at which the regularised forces damp the motion: the largest eigenvalue
+    /// over the directions across the axis, plus the other rates.
+    pub fn damping(&self) -> f64 {
+        let RingSlope { mean, second_harmonic: [c, s] } = self.transverse;
+        0.5 * (mean + (c * c + s * s).sqrt()) + self.other_damping
+    }
+}
+
+/// Slope over the normal velocity of the pressure, where the velocity is below the regularisation speed: mean over the
+/// ring, and mean of its products with the cosine and the sine of twice the angle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RingSlope {
+    pub(super) mean: f64,
+    pub(super) second_harmonic: [f64; 2],
 }
 
 /// Normal velocity and height of a ring as Fourier series in the angle: mean, cosine and sine terms.
 #[derive(Clone, Copy)]
-struct RingHarmonics {
+pub(super) struct RingHarmonics {
     /// Normal velocity v_n = mean + cosine cos + sine sin.
-    mean: f64,
-    cosine: f64,
-    sine: f64,
+    pub(super) mean: f64,
+    pub(super) cosine: f64,
+    pub(super) sine: f64,
     /// Height in the stack: `height + rise[0] cos + rise[1] sin`.
-    height: f64,
-    rise: [f64; 2],
+    pub(super) height: f64,
+    pub(super) rise: [f64; 2],
 }
 
 impl RingHarmonics {
@@ -141,10 +157,9 @@ impl RingHarmonics {
         }
     }
 
-    /// Returns the smallest and largest normal velocity.
-    fn speeds(&self) -> [f64; 2] {
-        let swing = self.cosine.portable_hypot(self.sine);
-        [self.mean - swing, self.mean + swing]
+    /// Returns the amplitude of the normal velocity.
+    fn swing(&self) -> f64 {
+        self.cosine.portable_hypot(self.sine)
     }
 
     /// Returns the lowest and highest point of the ring in the stack.
@@ -216,42 +231,65 @@ impl pulp::NullaryFnOnce for RingForceKernel<'_> {
         let RingForceKernel { rings: RingSet { rings, stations, .. }, stack, scene } = self;
         let mut sum = RingForces::default();
         let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
+        let closed = scene.friction == 0.0 && stack.bounds.is_none();
         for ring in rings {
             let around = RingHarmonics::new(ring, scene);
-            let ([slowest, fastest], [low, high]) = (around.speeds(), around.heights(ring, scene));
-            if fastest <= 0.0 || high <= first || low >= last {
+            let [low, high] = around.heights(ring, scene);
+            if high <= first || low >= last {
                 continue;
             }
-            let layer = stack.layer_around(low, high);
-            match layer {
-                Some(layer) if slowest >= scene.onset && scene.friction == 0.0 && stack.bounds.is_none() => {
-                    add_closed_form(ring, &around, &stack.laws[layer], stations.count, &mut sum.pressure);
+            let swing = around.swing();
+            if around.mean + swing <= 0.0 {
+                continue;
+            }
+            match stack.layer_around(low, high) {
+                Some(layer) if closed => {
+                    add_closed_form(ring, &around, swing, &stack.laws[layer], stations.count, scene, &mut sum);
                 }
-                _ if scene.friction > 0.0 => {
+                layer if scene.friction > 0.0 => {
                     add_by_stations::<true>(ring, &around, stations, stack, layer, scene, &mut sum)
                 }
-                _ => add_by_stations::<false>(ring, &around, stations, stack, layer, scene, &mut sum),
+                layer => add_by_stations::<false>(ring, &around, stations, stack, layer, scene, &mut sum),
             }
         }
         sum
     }
 }
 
-/// Adds the resistance on a ring that is inside one layer and moves into it along its whole circumference. The means of
-/// p, p cos and p sin over the circle have closed forms. Equation (13.5).
+/// Adds the resistance on a ring that is inside one layer.
 #[inline(always)]
 fn add_closed_form(
     ring: &FacetRing,
     around: &RingHarmonics,
+    swing: f64,
     law: &CavityResistance,
     stations: usize,
-    sum: &mut Wrench,
+    scene: &RingKinematics,
+    sum: &mut RingForces,
 ) {
-    let RingHarmonics { mean, cosine, sine, .. } = *around;
     let area = ring.area * stations as f64;
-    let level = law.c0 + mean * (law.c1 + law.c2 * mean) + 0.5 * law.c2 * (cosine * cosine + sine * sine);
-    let slope = 0.5 * law.c1 + law.c2 * mean;
-    add_pressure(ring, sum, [area * level, area * slope * cosine, area * slope * sine]);
+    let means = if around.mean - swing >= scene.onset {
+        whole_ring(around, law)
+    } else {
+        let (means, RingSlope { mean, second_harmonic: [c, s] }) = part_of_ring(around, swing, law, scene.onset);
+        // As for stations, a slope at a negligible velocity counts in proportion to the velocity.
+        let weight = area * ((around.mean + swing) / (NEGLIGIBLE * scene.onset)).min(1.0);
+        add_damping(ring, scene, [weight * mean, weight * c, weight * s], sum);
+        means
+    };
+    add_pressure(ring, &mut sum.pressure, means.inline_map(|mean| area * mean));
+}
+
+/// Adds the rate of damping by a slope of the pressure with these integrals over the ring: of the slope, and of its
+/// products with the cosine and the sine of twice the angle.
+#[inline(always)]
+fn add_damping(ring: &FacetRing, scene: &RingKinematics, [all, cosine, sine]: [f64; 3], sum: &mut RingForces) {
+    let transverse = ring.transverse_compliance(&scene.compliance);
+    let RingSlope { mean, second_harmonic: [c, s] } = &mut sum.transverse;
+    *mean += transverse * all;
+    *c += transverse * cosine;
+    *s += transverse * sine;
+    sum.other_damping += ring.normal[1] * ring.normal[1] * scene.compliance.mass * all;
 }
 
 /// Adds force and moment of a pressure with these integrals over the ring: of p, p cos, p sin.
@@ -265,87 +303,6 @@ fn add_pressure(ring: &FacetRing, sum: &mut Wrench, [all, cosine, sine]: [f64; 3
     sum.moment[2] += ring.lever * cosine;
 }
 
-/// The part of each station that moves into the material, and its speed.
-struct LoadedStations {
-    /// Normal velocity at the midpoint.
-    middle: StationLanes,
-    /// Normal velocity of the part that moves into the material.
-    speed: StationLanes,
-    /// Mean over the station of the regularisation factor of the pressure, 0 to 1.
-    share: StationLanes,
-    /// Derivative of that factor with respect to the speed.
-    growth: StationLanes,
-}
-
-impl LoadedStations {
-    /// Evaluates a block of stations with regularisation. The normal velocity of a station is nearly linear in the
-    /// angle. The mean of the regularisation factor min(v/c, 1), 0 for v < 0, is therefore the difference of its
-    /// integral at the edges over the difference of the velocities.
-    #[inline(always)]
-    fn new(around: &RingHarmonics, stations: &StationAngles, block: usize, onset: f64) -> LoadedStations {
-        let RingHarmonics { mean, cosine, sine, .. } = *around;
-        let [cosines, sines] = [&stations.middle[0][block], &stations.middle[1][block]];
-        let [first_cosines, first_sines] = [&stations.edges[0][0][block], &stations.edges[0][1][block]];
-        let [second_cosines, second_sines] = [&stations.edges[1][0][block], &stations.edges[1][1][block]];
-        let (mut middle, mut speed, mut share, mut growth) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let (per, small) = (1.0 / onset, 1e-3 * onset);
-        for l in 0..LANES {
-            let v = mean + (cosine * cosines[l] + sine * sines[l]);
-            let first = mean + (cosine * first_cosines[l] + sine * first_sines[l]);
-            let second = mean + (cosine * second_cosines[l] + sine * second_sines[l]);
-            let (a, b, m) = (above_zero(first), above_zero(second), above_zero(v));
-            let difference = second - first;
-            let even = difference.abs() < small;
-            let over = 1.0 / if even { 1.0 } else { difference };
-            let mean_of_line = (integral(b, per, onset) - integral(a, per, onset)) * over;
-            share[l] = if even { ramp(m, per) } else { mean_of_line };
-            let inside = if m > 0.0 { if m < onset { per } else { 0.0 } } else { 0.0 };
-            growth[l] = if even { inside } else { (ramp(b, per) - ramp(a, per)) * over };
-            let crossed = 0.5 * (a + b);
-            speed[l] = if first.min(second) > 0.0 { m } else { crossed };
-            middle[l] = v;
-        }
-        LoadedStations { middle, speed, share, growth }
-    }
-
-    /// Evaluates a block like [`LoadedStations::new`] for a ring that moves into the material everywhere at more than the
-    /// regularisation speed.
-    #[inline(always)]
-    fn whole(around: &RingHarmonics, stations: &StationAngles, block: usize) -> LoadedStations {
-        let RingHarmonics { mean, cosine, sine, .. } = *around;
-        let [cosines, sines] = [&stations.middle[0][block], &stations.middle[1][block]];
-        let mut middle = [0.0; LANES];
-        for l in 0..LANES {
-            middle[l] = mean + (cosine * cosines[l] + sine * sines[l]);
-        }
-        LoadedStations { middle, speed: middle, share: [1.0; LANES], growth: [0.0; LANES] }
-    }
-
-    fn is_any(&self) -> bool {
-        self.share.iter().any(|&s| s > 0.0)
-    }
-}
-
-/// Returns the positive part.
-#[inline(always)]
-fn above_zero(v: f64) -> f64 {
-    if v > 0.0 { v } else { 0.0 }
-}
-
-/// Returns the regularisation factor at a normal velocity of at least zero. Equation (13.6).
-#[inline(always)]
-fn ramp(v: f64, per_onset: f64) -> f64 {
-    let share = v * per_onset;
-    if share < 1.0 { share } else { 1.0 }
-}
-
-/// Returns the integral of [`ramp`] over the normal velocity.
-#[inline(always)]
-fn integral(v: f64, per_onset: f64, onset: f64) -> f64 {
-    let (below, above) = (0.5 * v * v * per_onset, v - 0.5 * onset);
-    if v < onset { below } else { above }
-}
-
 /// Returns the sum of lanes in a fixed order.
 #[inline(always)]
 fn total(lanes: &StationLanes) -> f64 {
@@ -353,7 +310,7 @@ fn total(lanes: &StationLanes) -> f64 {
     for l in 0..LANES / 2 {
         half[l] = lanes[l] + lanes[l + LANES / 2];
     }
-    ((half[0] + half[1]) + (half[2] + half[3])) + ((half[4] + half[5]) + (half[6] + half[7]))
+    (half[0] + half[1]) + (half[2] + half[3])
 }
 
 /// Returns the mean pressure on stations: the law at the normal velocity, times the part of the area that moves into
@@ -453,56 +410,6 @@ fn across(position: SpatialVector, normal: SpatialVector, up: SpatialVector, rad
     Some(if a > 0.0 { ((b * b - a * c).sqrt() - b) / a } else { f64::INFINITY })
 }
 
-/// Extent of stations in the stack: heights of their midpoints, and half extents along the facet and around the axis.
-struct StationExtent {
-    middle: StationLanes,
-    larger: StationLanes,
-    smaller: StationLanes,
-}
-
-impl StationExtent {
-    #[inline(always)]
-    fn new(
-        ring: &FacetRing,
-        around: &RingHarmonics,
-        stations: &StationAngles,
-        block: usize,
-        scene: &RingKinematics,
-    ) -> StationExtent {
-        let ([cosines, sines], up) = (&stations.middle, scene.up);
-        let (c, s) = (&cosines[block], &sines[block]);
-        let (mut middle, mut larger, mut smaller) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let least = 1e-9 * (ring.radius + ring.along[0].abs() + ring.along[1].abs());
-        for l in 0..LANES {
-            middle[l] = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
-            let along = (ring.along[1] * up[1] + ring.along[0] * (up[0] * c[l] + up[2] * s[l])).abs();
-            let across = stations.half * (around.rise[1] * c[l] - around.rise[0] * s[l]).abs();
-            larger[l] = along.max(across).max(least);
-            smaller[l] = along.min(across);
-        }
-        StationExtent { middle, larger, smaller }
-    }
-
-    /// Returns the part of each station above a plane. A station is approximated by the parallelogram that is tangent
-    /// at its midpoint: its height is the sum of two uniform distributions, so the result is the integral of a
-    /// trapezoid, which is smooth in the position of the plane.
-    #[inline(always)]
-    fn share_above(&self, plane: f64) -> StationLanes {
-        let mut share = [0.0; LANES];
-        for l in 0..LANES {
-            let (a, b) = (self.larger[l], self.smaller[l]);
-            let distance = self.middle[l] - plane;
-            let x = distance.abs().min(a + b);
-            // From the midpoint outwards: 1/2 + x/2a minus the contribution of the rounded end.
-            let beyond = (x - (a - b)).max(0.0);
-            let rounded = beyond * beyond / (8.0 * a * b.max(1e-100));
-            let half = (0.5 * x / a - rounded).min(0.5);
-            share[l] = if distance > 0.0 { 0.5 + half } else { 0.5 - half };
-        }
-        share
-    }
-}
-
 /// Adds the resistance on a ring as a sum over its stations.
 #[inline(always)]
 fn add_by_stations<const FRICTION: bool>(
@@ -514,10 +421,24 @@ fn add_by_stations<const FRICTION: bool>(
     scene: &RingKinematics,
     sum: &mut RingForces,
 ) {
-    let whole = around.speeds()[0] >= scene.onset;
-    let mut pressure_sums = [[0.0; LANES]; 4];
+    let mut pressure_sums = [[0.0; LANES]; 3];
+    let mut slope_sums = [[0.0; LANES]; 3];
     let mut friction_sums = [[0.0; LANES]; 7];
+    let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
     for block in 0..stations.weight.len() {
+        let [slowest, fastest] = stations.range(block, [around.cosine, around.sine]).inline_map(|v| around.mean + v);
+        if fastest <= 0.0 {
+            continue;
+        }
+        let mut layer = layer;
+        if layer.is_none() {
+            let [low, high] = stations.heights(block, ring, around, scene);
+            if high <= first || low >= last {
+                continue;
+            }
+            layer = stack.layer_around(low, high);
+        }
+        let whole = slowest >= scene.onset;
         let loaded = if whole {
             LoadedStations::whole(around, stations, block)
         } else {
@@ -530,10 +451,8 @@ fn add_by_stations<const FRICTION: bool>(
             pressure_sums[1][l] += pressure[l] * c[l];
             pressure_sums[2][l] += pressure[l] * s[l];
         }
-        // Slope of the force over the speed, from the pressure without the regularisation factor.
-        for l in 0..if whole { 0 } else { LANES } {
-            pressure_sums[3][l] +=
-                loaded.growth[l] * pressure[l] / if loaded.share[l] > 1e-3 { loaded.share[l] } else { 1e-3 };
+        if !whole {
+            add_slopes(&loaded, &pressure, [c, s], &mut slope_sums);
         }
         if FRICTION {
             add_friction(ring, scene, [c, s], &loaded.middle, &pressure, &mut friction_sums);
@@ -545,7 +464,7 @@ fn add_by_stations<const FRICTION: bool>(
         &mut sum.pressure,
         [total(&pressure_sums[0]), total(&pressure_sums[1]), total(&pressure_sums[2])],
     );
-    sum.damping += total(&pressure_sums[3]);
+    add_damping(ring, scene, [total(&slope_sums[0]), total(&slope_sums[1]), total(&slope_sums[2])], sum);
     if FRICTION {
         let ([f1, f2, f3], (r, h)) =
             ([0, 1, 2].inline_map(|i| scene.friction * total(&friction_sums[i])), (ring.radius, ring.height));
@@ -553,7 +472,25 @@ fn add_by_stations<const FRICTION: bool>(
         let Wrench { force, moment } = &mut sum.friction;
         *force = [force[0] - f1, force[1] - f2, force[2] - f3];
         *moment = [moment[0] - (h * f3 - cross), moment[1] - twist, moment[2] - (along - h * f1)];
-        sum.damping += scene.friction * total(&friction_sums[6]);
+        sum.other_damping += scene.friction * total(&friction_sums[6]) * ring.friction_compliance(&scene.compliance);
+    }
+}
+
+/// Adds the slope of the pressure over the speed, from the pressure without the regularisation factor, and its products
+/// with the cosine and the sine of twice the angle.
+#[inline(always)]
+fn add_slopes(
+    loaded: &LoadedStations,
+    pressure: &StationLanes,
+    [c, s]: [&StationLanes; 2],
+    sums: &mut [StationLanes; 3],
+) {
+    for l in 0..LANES {
+        let share = if loaded.share[l] > NEGLIGIBLE { loaded.share[l] } else { NEGLIGIBLE };
+        let slope = loaded.growth[l] * pressure[l] / share;
+        sums[0][l] += slope;
+        sums[1][l] += slope * (c[l] * c[l] - s[l] * s[l]);
+        sums[2][l] += slope * (2.0 * c[l] * s[l]);
     }
 }
 
