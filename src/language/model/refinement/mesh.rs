@@ -42,7 +42,7 @@ impl RefinedMesh {
     }
 
     /// Returns the sides of an element of the deck that are divided, as bits. A side between two equal nodes counts as
-    /// divided if the number of other divided sides is odd. Both sides of a six-node triangle's corners count.
+    /// divided if the number of other divided sides is odd.
     pub(super) fn divided_sides(&self, parent: usize) -> u8 {
         let nodes = &self.parents[parent].nodes;
         let ends = |side: usize| [nodes[side], nodes[(side + 1) % nodes.len()]];
