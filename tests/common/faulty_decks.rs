@@ -160,7 +160,11 @@ pub const DOUBTFUL: &[(&str, &str)] = &[
     ),
     (
         "specific_heat_of_other_units",
-        "1.,\\n*Elastic\\n 100., 0.3 => 7850.,\\n*Elastic\\n 2.1e11, 0.3\\n*Specific Heat\\n 4.6e8,",
+        "1.,\\n*Elastic\\n 100., 0.3 => 7850.,\\n*Elastic\\n 2.1e11, 0.3\\n*Specific Heat\\n 4.6e8, ;; 0.5, 0.\\n 2., 1. => 3.e8, 0.\\n 8.e8, 1.",
+    ),
+    (
+        "yield_of_other_units",
+        "1.,\\n*Elastic\\n 100., 0.3 => 7850.,\\n*Elastic\\n 2.1e11, 0.3 ;; 0.5, 0.\\n 2., 1. => 300., 0.\\n 800., 1.",
     ),
     ("bulk_viscosity_of_60", "*Output, field => *Bulk Viscosity\\n 60., 1.2\\n*Output, field"),
     ("mass_factor", "*Output, field => *Fixed Mass Scaling, factor=1.e6\\n*Output, field"),

@@ -51,18 +51,18 @@ const RIGHT: &[Case] = &[
     Case { changes: READY, ..right("taylor_copper", &["speed=190"]) },
     right("indentation", &[]),
     right("plate_6061", &[]),
-    right("plates_derived", &[]),
+    right("ogive", &["friction=0.1"]),
     right("ogive", &[]),
     right("ogive", &["V=1000"]),
     right("rod_plate_deletion", &[]),
 ];
 
 const WRONG: &[Case] = &[
-    wrong("taylor_copper", &[(" 8930.", " 8930.e-9")], &[], "P119"),
+    wrong("taylor_copper", &[(" 8930.", " 8930.e-9"), ("80.e-6", "80.e-9")], &[], "P119"),
     wrong("taylor_copper", &[("117.e9", "117.e3")], &[], "P119"),
     wrong(
         "taylor_copper",
-        &[("400.e6", "400."), ("500.e6", "500."), ("600.e6", "600."), ("900.e6", "900.")],
+        &[("400.e6", "400."), ("500.e6", "500."), ("600.e6", "600."), ("900.e6", "900."), ("80.e-6", "8.e-6")],
         &[],
         "P140",
     ),

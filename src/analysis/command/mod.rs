@@ -54,6 +54,9 @@ use crate::user::compile::{Compiled, compile};
 use clap::Args;
 use words::print_err;
 
+/// Commit of the source with its date (from `build.rs`); empty if it is not known.
+const COMMIT: &str = env!("REVOLVE_COMMIT");
+
 /// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CommandStatus(pub u8);

@@ -28,12 +28,12 @@ use serde::Serialize;
 
 use super::options::{DeckOptions, FolderOption, OutputOptions, ThreadOption, start_threads};
 use super::progress::{self, RunBar};
+use super::slurm;
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::view::{self, ViewOption};
 use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
-use super::{CommandStatus, accept, outcome, print_findings};
-use super::{shell, slurm};
+use super::{COMMIT, CommandStatus, accept, outcome, print_findings};
 
 /// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
@@ -153,7 +153,7 @@ impl RunCommand {
         let from = self.checkpoint(&prepared, &job, &user)?;
         self.note_missing_grace_period(&prepared);
         let words = self.words.clone().unwrap_or_else(words::words_of_command);
-        let commit = Some(shell::COMMIT.to_owned()).filter(|commit| !commit.is_empty());
+        let commit = Some(COMMIT.to_owned()).filter(|commit| !commit.is_empty());
         let provenance = Provenance { commit, ..Provenance::of(&prepared, words, &self.options.user.files) };
         prepared.release_texts();
         if !self.is_silent() {

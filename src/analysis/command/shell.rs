@@ -48,9 +48,6 @@ impl ManCommand {
     }
 }
 
-/// Commit of the source with its date (from `build.rs`); empty if it is not known.
-pub const COMMIT: &str = env!("REVOLVE_COMMIT");
-
 /// Returns version, commit and date (from `build.rs`), features, target, threads and instruction set.
 pub fn version() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(long_version);
@@ -58,7 +55,7 @@ pub fn version() -> &'static str {
 }
 
 fn long_version() -> String {
-    let commit = COMMIT;
+    let commit = super::COMMIT;
     let commit = if commit.is_empty() { String::new() } else { format!(" ({commit})") };
     let features = [("mesh-files", cfg!(feature = "mesh-files")), ("parquet", cfg!(feature = "parquet"))];
     let features: Vec<&str> = features.iter().filter(|f| f.1).map(|f| f.0).collect();
