@@ -7,11 +7,11 @@
 //! D - B²/A of the section in place of D.
 //! Tolerance: 1 % or less against theory without transverse shear; rounding where two sections are the same.
 
-use crate::common;
 use crate::common::solid::{column, last, run};
 use crate::contact_analytical::straight_tool;
 use crate::shells::{assert_close, shell_line, smooth_amplitude, static_value, step};
 use revolve::deck::{Diagnostic, Severity};
+use revolve::job;
 use revolve::user::Routines;
 
 /// Reduced stiffnesses of a lamina E1 = 140, E2 = 10, G12 = 5 GPa, ν12 = 0.3 in the directions meridian and hoop, by
@@ -282,7 +282,7 @@ fn contact_is_at_the_surfaces_of_an_offset_shell() {
 /// Returns the codes of the errors and warnings of a plate.
 fn codes(section: &str, materials: &str) -> Vec<&'static str> {
     let text = plate(2, section, materials, &step(1e-6, "", "*Energy output\n ALLKE\n"));
-    let prepared = common::prepared(&text, &[], &Routines::none());
+    let prepared = job::prepare_text("layers.inp", &text, &[], &Routines::none());
     let is_finding = |d: &&Diagnostic| d.severity != Severity::Note;
     prepared.diagnostics.iter().filter(is_finding).map(|d| d.code).collect()
 }
