@@ -17,8 +17,8 @@ use revolve::job;
 use revolve::solve;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, EosLaw, EosResponse, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall,
-    LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines, UserAmplitude, UserFields,
-    UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
+    LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, Routines,
+    UserAmplitude, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
 };
 
 /// Returns every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
@@ -160,6 +160,15 @@ impl UserFields for TestSubroutines {
     }
 }
 
+/// Sets variables to half of their number.
+impl UserNodalFields for TestSubroutines {
+    fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure> {
+        let value = |at: usize| 0.5 * (call.variables[0] + at / call.nodes.len()) as f64;
+        values.iter_mut().enumerate().for_each(|(at, result)| *result = value(at));
+        Ok(())
+    }
+}
+
 /// Returns the default length times the first constant.
 impl UserLengths for TestSubroutines {
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
@@ -177,6 +186,7 @@ fn results(folder: &Path, text: &str) -> String {
         .with_material(TestSubroutines)
         .with_eos("METAL", TestSubroutines);
     let routines = routines.with_hardening(TestSubroutines).with_fields(TestSubroutines).with_lengths(TestSubroutines);
+    let routines = routines.with_nodal_fields(TestSubroutines);
     let name = folder.join("pair.inp");
     let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
     let mut message_text = String::new();

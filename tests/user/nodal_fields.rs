@@ -4,6 +4,7 @@
 //! elements as those of `*FIELD` do, one or several together, over steps; failures name the node. Needs gfortran for
 //! Fortran files; without it these tests are left out, except in CI.
 
+use revolve::job;
 use revolve::user::{LoadFailure, NodalFieldCall, Routines, UserNodalFields};
 
 use crate::common::{self, RecordedOutput};
@@ -83,7 +84,8 @@ impl UserNodalFields for Displacement {
             assert!(
                 (u[8 * k + 1] - height * time).abs() < 1e-9 && u[8 * k] == 0.0 && call.coordinates[3 * k + 2] == 0.0
             );
-            assert!(time == 0.0 || (v[8 * k + 1] - height).abs() < 1e-9, "{} {height}", v[8 * k + 1]);
+            // The velocity is extrapolated from the middle of the increment; the motion begins at rest.
+            assert!(time < 2e-3 || (v[8 * k + 1] - height).abs() < 1e-9, "{} {height}", v[8 * k + 1]);
             *value = u[8 * k + 1];
         }
         assert!(call.lengths[1] == 1.0 && call.nodes.iter().all(|number| *number > 0));
@@ -133,8 +135,8 @@ fn failures_of_user_fields_are_reported() {
         "{halt}"
     );
     let messages = |text: &str| {
-        let prepared = common::prepared(text, &[], &Routines::none());
-        prepared.diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>().join("\n")
+        let prepared = job::prepare_text("test.inp", text, &[], &Routines::none());
+        prepared.diagnostics.render(&prepared.deck.sources)
     };
     assert!(messages(&text).contains("vufield"), "{}", messages(&text));
     for (card, expected) in [

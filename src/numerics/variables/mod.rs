@@ -155,7 +155,7 @@ variables! {
     OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration about 1 and 2 of bodies with six degrees of freedom").preselected(PreselectRule::SixDofBody).as_extension().dimension([0, 0, -2, 0]),
     Yaw: node("YAW", &[], "Angle between the axis of a body with six degrees of freedom and its velocity, degrees, 0 to 90").preselected(PreselectRule::SixDofBody).as_extension(),
     Tilt: node("TILT", &[], "Angle between the axis of a body with six degrees of freedom and direction 2, degrees").preselected(PreselectRule::SixDofBody).as_extension(),
-    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop; of cohesive elements: S22 normal, S12 shear traction").preselected(PreselectRule::Deformable).dimension(STRESS),
+    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop, or the directions 1 and 2 of its layer; of cohesive elements: S22 normal, S12 shear traction").preselected(PreselectRule::Deformable).dimension(STRESS),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(PreselectRule::Deformable)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))).dimension(STRESS),
     Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
