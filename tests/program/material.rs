@@ -113,6 +113,24 @@ fn softening_begins_at_the_last_largest_stress() {
     assert!(curve(&|strain| 2.0 - (strain - 0.2).powi(2)).is_some_and(|strain| (strain - 0.2).abs() < 2e-3));
 }
 
+/// Half of the tensile strength of concrete remains at the crack opening Gf/ft of linear softening: at the strain
+/// ft/(2 E) + Gf/(ft L) in an element of the length L. Tolerance 2 %: rows are 1e-5 apart, strains are finite.
+#[test]
+fn length_of_concrete_is_that_of_the_option() {
+    let concrete = "*Density\n 2400.,\n*Elastic\n 30e9, 0.2\n*Concrete Damaged Plasticity\n 35., 0.1, 1.16, 0.667\n*Concrete \
+                    Compression Hardening\n 30e6, 0.\n 30e6, 0.01\n*Concrete Tension Stiffening, type=GFI\n 2.5e6, 110.\n";
+    for length in [0.01, 0.03] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let option = length.to_string();
+        let options = ["--rates", "1", "--strain", "0.01", "--length", &option];
+        let rows = curves(&deck(&[("CONCRETE", concrete)]), folder.path(), &options);
+        let expected = 2.5e6 / 60e9 + 110.0 / (2.5e6 * length);
+        let peak = rows.iter().position(|row| row[3] > 2.45e6).expect("the strength");
+        let half = rows[peak..].iter().find(|row| row[3] < 1.25e6).expect("softening")[2];
+        assert!((half / expected - 1.0).abs() < 2e-2, "{length}: {half} {expected}");
+    }
+}
+
 /// Materials without strength are named with the reason; a misspelt name gets the nearest one.
 #[test]
 fn unsuitable_and_unknown_materials_are_named() {

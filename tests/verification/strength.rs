@@ -91,6 +91,39 @@ fn crack_of_concrete_dissipates_the_fracture_energy() {
     }
 }
 
+/// Two triangles that form a square dissipate the fracture energy like one element. Tolerance 5 %: they crack one after the
+/// other.
+#[test]
+fn crack_of_triangles_dissipates_the_fracture_energy() {
+    let size = 8.0;
+    let deck = grid(1, 1, true, |i, j| [size * i as f64, size * j as f64])
+        + "*Solid Section, elset=SOLID, material=CONCRETE\n*Material, name=CONCRETE\n*Density\n 2.4e-9,\n*Elastic\n 30000., 0.2\n\
+           *Concrete Damaged Plasticity\n 35., 0.1, 1.16, 0.667\n*Concrete Compression Hardening\n 30., 0.\n 30., 0.01\n*Concrete \
+           Tension Stiffening, type=GFI\n 2.5, 0.11\n*Boundary\n 1, 1, 2\n 2, 2, 2\n 3, 1, 1\n*Amplitude, name=A, \
+           definition=SMOOTH STEP\n 0., 0., 0.01, 1.\n*Step\n*Dynamic, Explicit\n , 0.01\n*Boundary, amplitude=A\n 3, 2, 2, 0.095\n \
+           4, 2, 2, 0.095\n*Output, history, number interval=10\n*Energy Output\n ALLPD\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let per_area = last(&deck, &memory, "ALLPD") / (std::f64::consts::PI * size * size);
+    println!("{per_area} of .11");
+    assert!((per_area / 0.11 - 1.0).abs() < 5e-2, "{per_area}");
+}
+
+/// The flow potential of the linear form has no rounding.
+#[test]
+fn eccentricity_of_the_linear_form_is_named() {
+    let deck = |card: &str| {
+        let cards = format!(
+            "*Density\n 2.e-9,\n*Elastic\n 3000., 0.25\n*Drucker Prager{card}\n 35., 0.8, 10.\n*Drucker Prager Hardening\n 10., 0.\n"
+        );
+        bar(1, 1.0, "SOIL", &cards, true) + "*Step\n*Dynamic, Explicit\n , 1.e-6\n*End Step\n"
+    };
+    let found = messages(&deck(", eccentricity=0.2"));
+    assert!(found.contains("P140") && found.contains("ECCENTRICITY=0.2 has no effect"), "{found}");
+    let found = messages(&deck(""));
+    assert!(!found.contains("ECCENTRICITY"), "{found}");
+}
+
 /// A deleted element has no recoverable energy, and the energy balance closes over its deletion in small increments. Tolerance
 /// 1e-4 of the internal energy: elastic energies are per current volume, which changes by the strain.
 #[test]
