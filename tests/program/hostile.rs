@@ -476,7 +476,7 @@ fn messages_on_excessive_input_are_short_and_name_the_limit() {
     let bar = fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
     let domain = "*Dynamic, Explicit\n , 80.e-6\n*Adaptive Mesh, elset=BAR, mesh sweeps=1000000000\n";
     let sweeps = bar.replace("*Dynamic, Explicit\n , 80.e-6\n", domain);
-    let nodes = "*Heading\n*Node\n 1, 0., 0.\n 20000000, 1., 0.\n*Ngen, nset=ALL\n 1, 20000000, 1\n".to_owned();
+    let nodes = "*Heading\n*Node\n 1, 0., 0.\n 18000000, 1., 0.\n*Ngen, nset=ALL\n 1, 18000000, 1\n".to_owned();
     let cases = [
         (format!("*Heading\n*{name}\n"), "unknown keyword"),
         (format!("*Heading\n*Node, {name}=1\n 1, 0., 0.\n"), "no parameter NNN"),

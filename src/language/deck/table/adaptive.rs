@@ -8,8 +8,8 @@ card!(AdaptiveMesh: "ADAPTIVE MESH", "Moves the nodes of a set of elements to be
     "ELSET" (TEXT.required()) "Elements of the domain: CAX4R, CAX4RT, CAX3 and CAX3T of one section",
     "CONTROLS" read "Name of *ADAPTIVE MESH CONTROLS",
     frequency: Option<usize> = "FREQUENCY" (COUNT) "Increments between two changes of the mesh; default 10, or 1 with Eulerian boundaries or constraints in space",
-    sweeps: usize = "MESH SWEEPS" (COUNT.to(1000.0).or(1.0)) "Sweeps in each change, at most 1000",
-    initial_sweeps: usize = "INITIAL MESH SWEEPS" (INTEGER.from(0.0).to(1000.0).or(5.0)) "Sweeps at the start of the first step in which the domain is active, at most 1000",
+    sweeps: usize = "MESH SWEEPS" (COUNT.to(1000.0).or(1.0)) "Sweeps in each change",
+    initial_sweeps: usize = "INITIAL MESH SWEEPS" (INTEGER.from(0.0).to(1000.0).or(5.0)) "Sweeps at the start of the first step in which the domain is active",
     "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all domains of earlier steps",
 }, []);
 
