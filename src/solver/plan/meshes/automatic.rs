@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
-use crate::model::{AnalyticalFront, AnalyticalSide, Model, RegionType, Remeshing, SideSelection, SolidSection, Step};
+use crate::model::{AnalyticalFront, Model, RegionType, Remeshing, SideSelection, SolidSection, Step};
 use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, remeshed_body, unsupported_remeshing};
 
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
@@ -44,8 +44,8 @@ pub enum FirstMesh {
 impl AutomaticMeshes {
     /// Fraction of the largest stable time increment below which squashed elements are worth a new mesh.
     const COLLAPSED: f64 = 0.3;
-    /// The same for the first new mesh of a body in contact, whose forces a new outline disturbs.
-    const COLLAPSED_IN_CONTACT: f64 = 0.04;
+    /// The same for the first new mesh of a body in contact with faces, whose forces a new outline disturbs a little.
+    const COLLAPSED_AT_FACES: f64 = 0.2;
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
@@ -87,8 +87,8 @@ impl AutomaticMeshes {
             {
                 return None;
             }
-            let touches = is_in_contact(pairs, &card.elements, &body);
-            let limit = if touches { AutomaticMeshes::COLLAPSED_IN_CONTACT } else { AutomaticMeshes::COLLAPSED };
+            let touches = touches_faces(pairs, &card.elements);
+            let limit = if touches { AutomaticMeshes::COLLAPSED_AT_FACES } else { AutomaticMeshes::COLLAPSED };
             let trigger = if adapts { FirstMesh::Turned(limit) } else { FirstMesh::Squashed(limit) };
             Some(WaitingBody { group, section: index, trigger })
         });
@@ -164,14 +164,13 @@ fn has_spatial_constraints(model: &Model) -> bool {
     model.steps.iter().any(|step| !step.mesh_motions.is_empty() || is_eulerian(step))
 }
 
-/// Returns whether a surface of a body takes part in contact; `elements` are in ascending order.
-fn is_in_contact(pairs: &Pairs, elements: &[usize], body: &ModelBody) -> bool {
+/// Returns whether a surface of a body takes part in contact with faces of elements; `elements` are in ascending order.
+fn touches_faces(pairs: &Pairs, elements: &[usize]) -> bool {
     let is_own = |element: &usize| elements.binary_search(element).is_ok();
     let touches =
         |side: &SideSelection| side.faces.iter().any(|(e, _)| is_own(e)) || side.free_face_elements.iter().any(is_own);
-    let has_node = |side: &AnalyticalSide| side.nodes.iter().any(|node| body.position(*node).is_some());
     let mut all_pairs = pairs.by_step.iter().flat_map(|pairs| pairs.iter());
-    all_pairs.any(|pair| pair.sides.iter().any(touches) || pair.analytical.as_ref().is_some_and(has_node))
+    all_pairs.any(|pair| pair.analytical.is_none() && pair.sides.iter().any(touches))
 }
 
 /// Returns whether a group is of quadrilaterals with a plastic strain that are never deleted.
