@@ -45,4 +45,5 @@ mod tidy;
 mod tutorial;
 mod view;
 mod vtk;
+mod vtkhdf;
 mod watching;
