@@ -13,6 +13,7 @@ pub mod line;
 pub mod lsp;
 pub mod material;
 pub mod mesh;
+mod mesh_rectangle;
 mod mesh_refine;
 pub mod new;
 pub mod options;
