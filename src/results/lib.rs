@@ -19,6 +19,7 @@ pub mod codes;
 pub mod columns;
 pub mod csv;
 pub mod drawing;
+mod hdf5;
 pub mod history;
 pub mod lock;
 pub mod pvd;
@@ -26,6 +27,7 @@ pub mod pvd;
 mod raster;
 pub mod sums;
 pub mod table;
+pub mod vtkhdf;
 pub mod vtu;
 
 use std::borrow::Cow;
@@ -44,6 +46,8 @@ pub const HISTORY: &str = "_history.csv";
 pub const STATUS: &str = ".sta";
 /// Suffix of the archive with copies of the files that a run has read.
 pub const INPUT: &str = ".input.tar";
+/// Suffix of the file with all frames in the format VTKHDF.
+pub const VTKHDF: &str = ".vtkhdf";
 /// Suffix of the file with the setup of a run, which exists until the summary is written.
 pub const SETUP: &str = ".setup";
 
@@ -90,7 +94,51 @@ pub struct OutputFrame {
     pub cell_labels: Vec<EntityLabels>,
 }
 
+impl FieldArray {
+    /// Returns whether the components are those of a symmetric tensor: rr, zz, hoop, rz.
+    pub fn is_tensor(&self) -> bool {
+        self.components == 4 && self.component_names.last().is_some_and(|name| name.ends_with("12"))
+    }
+
+    /// Returns the number of components in VTK files. Vectors in the plane have a third component there, and symmetric
+    /// tensors the two components that are zero in a body of revolution. VTK's filters then recognise both: XX, YY, ZZ,
+    /// XY, YZ, XZ.
+    pub fn components_in_space(&self) -> usize {
+        match self.components {
+            4 if self.is_tensor() => 6,
+            2 => 3,
+            count => count,
+        }
+    }
+
+    /// Returns the values with [`FieldArray::components_in_space`].
+    pub fn values_in_space(&self) -> impl Iterator<Item = f64> {
+        let more = self.components_in_space() - self.components;
+        let groups = self.values.chunks_exact(self.components.max(1));
+        groups.flat_map(move |group| group.iter().copied().chain(std::iter::repeat_n(0.0, more)))
+    }
+}
+
 impl OutputFrame {
+    /// Returns three coordinates of each point: r becomes x, z becomes y, and direction 3 becomes z.
+    pub fn coordinates(&self, points: FramePoints) -> impl Iterator<Item = f64> {
+        let (places, third) = match points {
+            FramePoints::Current => (&self.points, &self.third),
+            FramePoints::Reference => (&self.start, &self.third_at_start),
+        };
+        places.iter().enumerate().flat_map(|(i, p)| [p[0], p[1], third.get(i).copied().unwrap_or(0.0)])
+    }
+
+    /// Returns the displacements of all points as the array U.
+    pub fn displacement(&self) -> FieldArray {
+        let third = |i: usize| Some(self.third.get(i)? - self.third_at_start.get(i)?);
+        let pairs = self.points.iter().zip(&self.start).enumerate();
+        let moved = pairs.flat_map(|(i, (p, q))| [p[0] - q[0], p[1] - q[1]].into_iter().chain(third(i)));
+        let components = if self.third.is_empty() { 2 } else { 3 };
+        let component_names = (1..=components).map(|i| format!("U{i}")).collect();
+        FieldArray { name: "U".into(), components, component_names, values: moved.collect() }
+    }
+
     /// Returns the frame without the cells of deleted elements, as it is written: filters of VTK that average, measure or
     /// bound cells count hidden ones.
     pub fn without_deleted(&self) -> Cow<'_, OutputFrame> {
@@ -140,6 +188,11 @@ fn retain<T>(values: &mut Vec<T>, width: usize, keeps: &[bool]) {
     });
 }
 
+/// VTK's order of the points of a six-node triangle, corners first, as indices around the boundary.
+const QUADRATIC: [usize; 6] = [0, 2, 4, 1, 3, 5];
+/// Order of the points of other cells.
+const IN_ORDER: [usize; 4] = [0, 1, 2, 3];
+
 /// Point indices of cells, in one list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CellList {
@@ -173,6 +226,25 @@ impl CellList {
     /// Iterates over the point indices of each cell.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         (0..self.len()).map(|cell| &self[cell])
+    }
+
+    /// Returns the point indices of all cells in VTK's order.
+    pub fn vtk_connectivity(&self) -> impl Iterator<Item = i64> {
+        self.iter().flat_map(|cell| {
+            let order = if cell.len() == QUADRATIC.len() { &QUADRATIC[..] } else { &IN_ORDER[..cell.len()] };
+            order.iter().map(move |&i| i64::from(cell[i]))
+        })
+    }
+
+    /// Returns the start of each cell in the connectivity, and its length.
+    pub fn vtk_offsets(&self) -> impl Iterator<Item = i64> {
+        [0].into_iter().chain(self.ends.iter().map(|&end| i64::from(end)))
+    }
+
+    /// Returns VTK's number of the type of each cell.
+    pub fn vtk_types(&self) -> impl Iterator<Item = u8> {
+        let linear = |count: usize| [1, 3, 5, 9][count.clamp(1, 4) - 1];
+        self.iter().map(move |cell| if cell.len() == QUADRATIC.len() { 22 } else { linear(cell.len()) })
     }
 
     /// Returns the point indices of all cells.
@@ -223,6 +295,36 @@ pub enum FramePoints {
     Current,
     /// Initial coordinates, with U as an array: Warp By Vector in ParaView shows the motion at any scale.
     Reference,
+}
+
+/// Files to which frames are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum FrameFormat {
+    /// One `.vtu` file per frame, and a `.pvd` file that lists them.
+    #[default]
+    Pvd,
+    /// One `.vtkhdf` file with all frames.
+    Vtkhdf,
+}
+
+impl FrameFormat {
+    /// Returns the suffix of the file to open in ParaView.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            FrameFormat::Pvd => ".pvd",
+            FrameFormat::Vtkhdf => VTKHDF,
+        }
+    }
+}
+
+/// Coordinates and files of frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameStyle {
+    /// Coordinates of points.
+    pub points: FramePoints,
+    /// Files.
+    pub format: FrameFormat,
 }
 
 /// Folder and name of a job's files.

@@ -1,27 +1,47 @@
-//! Frame series of a job: `<job>_0000.vtu`, … and `<job>.pvd`, which lists them with their times.
+//! Frame series of a job: `<job>_0000.vtu`, … and `<job>.pvd`, which lists them with their times, or `<job>.vtkhdf`.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
-use std::{fs, io};
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
 
 use super::checkpoint::CHECKPOINT;
 use super::sums::{Checksums, SUMS, SummedWriter};
+use super::vtkhdf::VtkHdfWriter;
 use super::vtu::{VtuWriter, escape};
 use super::whole::{AtomicFile, remove, unfinished};
-use super::{FramePoints, HISTORY, INPUT, JobFiles, OutputFrame, SETUP, STATUS, write_whole};
+use super::{FrameFormat, FrameStyle, HISTORY, INPUT, JobFiles, OutputFrame, SETUP, STATUS, VTKHDF, write_whole};
 
 /// Files of a job other than frames.
-const OTHERS: [&str; 8] = [SUMS, ".pvd", ".json", HISTORY, CHECKPOINT, STATUS, SETUP, INPUT];
+const OTHERS: [&str; 9] = [SUMS, ".pvd", VTKHDF, ".json", HISTORY, CHECKPOINT, STATUS, SETUP, INPUT];
 
-/// Time of a frame that has been written, and the checksum of its file.
+/// Time of a frame that has been written, and the checksum of its file; 0 in a VTKHDF file.
 pub type WrittenFrame = (f64, u32);
 
-/// Writer of frames; the PVD file is complete after each frame.
+/// Writer of frames; the PVD file or the VTKHDF file is complete after each frame.
 #[derive(Debug)]
 pub struct FrameWriter {
     job: JobFiles,
     frames: Vec<WrittenFrame>,
-    vtu: VtuWriter,
+    style: FrameStyle,
+    files: FrameFiles,
+}
+
+/// Writer of the files of one format.
+#[derive(Debug)]
+enum FrameFiles {
+    Pvd(VtuWriter),
+    /// `None` before the first frame.
+    Vtkhdf(Option<Box<VtkHdfWriter>>),
+}
+
+impl FrameFiles {
+    fn new(style: FrameStyle) -> FrameFiles {
+        match style.format {
+            FrameFormat::Pvd => FrameFiles::Pvd(VtuWriter::new(style.points)),
+            FrameFormat::Vtkhdf => FrameFiles::Vtkhdf(None),
+        }
+    }
 }
 
 impl FrameWriter {
@@ -29,12 +49,12 @@ impl FrameWriter {
     ///
     /// # Errors
     /// If files cannot be removed.
-    pub fn new(job: JobFiles, points: FramePoints) -> io::Result<Self> {
+    pub fn new(job: JobFiles, style: FrameStyle) -> io::Result<Self> {
         // Lists are removed first, so that none names a missing frame.
         for ending in OTHERS {
             remove(&job.path(ending))?;
         }
-        let writer = FrameWriter { job, frames: Vec::new(), vtu: VtuWriter::new(points) };
+        let writer = FrameWriter { job, frames: Vec::new(), style, files: FrameFiles::new(style) };
         writer.clear_from(0)?;
         Ok(writer)
     }
@@ -42,14 +62,39 @@ impl FrameWriter {
     /// Continues a series after these frames; later frames are removed.
     ///
     /// # Errors
-    /// If files cannot be removed.
-    pub fn resume(job: JobFiles, frames: Vec<WrittenFrame>, points: FramePoints) -> io::Result<Self> {
-        let writer = FrameWriter { job, frames, vtu: VtuWriter::new(points) };
+    /// If files cannot be removed or read, or the frames so far have another format.
+    pub fn resume(job: JobFiles, frames: Vec<WrittenFrame>, style: FrameStyle) -> io::Result<Self> {
+        let mut writer = FrameWriter { job, frames, style, files: FrameFiles::new(style) };
+        writer.check_format()?;
         remove(&writer.job.path(SUMS))?;
         remove(&writer.job.path(".json"))?;
-        write_whole(&writer.job.path(".pvd"), writer.list().as_bytes())?;
+        if let FrameFiles::Vtkhdf(file) = &mut writer.files {
+            let path = writer.job.path(VTKHDF);
+            if path.is_file() {
+                let opened = VtkHdfWriter::open(&path, style.points, writer.frames.len());
+                let opened = opened.map_err(|e| in_file(&path, "continue", &e))?;
+                writer.frames.truncate(opened.steps());
+                *file = Some(Box::new(opened));
+            } else {
+                writer.frames.clear();
+            }
+        } else {
+            write_whole(&writer.job.path(".pvd"), writer.list().as_bytes())?;
+        }
         writer.clear_from(writer.frames.len())?;
         Ok(writer)
+    }
+
+    /// Checks that the frames before a restart do not have another format.
+    fn check_format(&self) -> io::Result<()> {
+        let other = if self.style.format == FrameFormat::Pvd { FrameFormat::Vtkhdf } else { FrameFormat::Pvd };
+        let [path, other_path] = [self.style.format, other].map(|format| self.job.path(format.suffix()));
+        if path.is_file() || !other_path.is_file() {
+            return Ok(());
+        }
+        let format = &other.suffix()[1..];
+        let why = format!("the frames before the restart are in {}: use --format {format}", other_path.display());
+        Err(io::Error::new(io::ErrorKind::InvalidInput, why))
     }
 
     /// Returns the frames written so far.
@@ -58,18 +103,34 @@ impl FrameWriter {
     }
 
     /// Returns the checksums of the frames and of their list.
-    pub fn sums(&self) -> Checksums {
+    ///
+    /// # Errors
+    /// If the VTKHDF file cannot be read.
+    pub fn sums(&self) -> io::Result<Checksums> {
         let mut sums = Checksums::default();
-        for (i, (_, sum)) in self.frames.iter().enumerate() {
-            sums.add_sum(&self.job, &ending(i), *sum);
+        match &self.files {
+            FrameFiles::Pvd(_) => {
+                for (i, (_, sum)) in self.frames.iter().enumerate() {
+                    sums.add_sum(&self.job, &ending(i), *sum);
+                }
+                sums.add(&self.job, ".pvd", self.list().as_bytes());
+            }
+            FrameFiles::Vtkhdf(None) => {}
+            FrameFiles::Vtkhdf(Some(_)) => {
+                let mut summed = SummedWriter::new(io::sink());
+                io::copy(&mut File::open(self.job.path(VTKHDF))?, &mut summed)?;
+                sums.add_sum(&self.job, VTKHDF, summed.finish().1);
+            }
         }
-        sums.add(&self.job, ".pvd", self.list().as_bytes());
-        sums
+        Ok(sums)
     }
 
-    /// Returns the file name of the next frame.
+    /// Returns the name of the file of the next frame.
     pub fn next_name(&self) -> String {
-        format!("{}{}", self.job.name, ending(self.frames.len()))
+        match self.style.format {
+            FrameFormat::Pvd => format!("{}{}", self.job.name, ending(self.frames.len())),
+            FrameFormat::Vtkhdf => format!("{}{VTKHDF}", self.job.name),
+        }
     }
 
     /// Removes frames from index `first` on, and incomplete files of a killed process.
@@ -92,12 +153,28 @@ impl FrameWriter {
     /// # Errors
     /// If a file cannot be written.
     pub fn write(&mut self, frame: &OutputFrame) -> io::Result<()> {
-        let mut out = SummedWriter::new(AtomicFile::begin(&self.job.path(&ending(self.frames.len())))?);
-        self.vtu.write(frame, &mut out)?;
-        let (file, sum) = out.finish();
-        file.finish()?;
-        self.frames.push((frame.time, sum));
-        write_whole(&self.job.path(".pvd"), self.list().as_bytes())
+        let path = self.job.path(&ending(self.frames.len()));
+        match &mut self.files {
+            FrameFiles::Pvd(vtu) => {
+                let mut out = SummedWriter::new(AtomicFile::begin(&path)?);
+                vtu.write(frame, &mut out)?;
+                let (file, sum) = out.finish();
+                file.finish()?;
+                self.frames.push((frame.time, sum));
+                write_whole(&self.job.path(".pvd"), self.list().as_bytes())
+            }
+            FrameFiles::Vtkhdf(file) => {
+                let path = self.job.path(VTKHDF);
+                let written = match file {
+                    Some(file) => file.write(frame),
+                    None => VtkHdfWriter::create(&path, self.style.points, frame)
+                        .map(|created| *file = Some(Box::new(created))),
+                };
+                written.map_err(|e| in_file(&path, "write", &e))?;
+                self.frames.push((frame.time, 0));
+                Ok(())
+            }
+        }
     }
 
     fn list(&self) -> String {
@@ -111,6 +188,10 @@ impl FrameWriter {
     }
 }
 
+fn in_file(path: &Path, verb: &str, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot {verb} {}: {error}", path.display()))
+}
+
 /// Returns the part of a frame's file name after the name of the job.
 fn ending(frame: usize) -> String {
     format!("_{frame:04}.vtu")
@@ -118,6 +199,9 @@ fn ending(frame: usize) -> String {
 
 /// Returns the paths of the first `count` frames that do not exist or are empty.
 pub fn missing_frames(job: &JobFiles, count: usize) -> Vec<PathBuf> {
+    if job.path(VTKHDF).is_file() {
+        return Vec::new();
+    }
     let is_there = |path: &PathBuf| path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0);
     (0..count).map(|i| job.path(&ending(i))).filter(|path| !is_there(path)).collect()
 }

@@ -27,11 +27,6 @@ pub struct VtuWriter {
 /// Name of the field data that marks points with initial coordinates.
 pub const REFERENCE: &str = "ReferencePoints";
 
-/// VTK's order of the points of a six-node triangle, corners first, as indices around the boundary.
-const QUADRATIC: [usize; 6] = [0, 2, 4, 1, 3, 5];
-/// Order of the points of other cells.
-const IN_ORDER: [usize; 4] = [0, 1, 2, 3];
-
 impl Default for VtuWriter {
     fn default() -> Self {
         VtuWriter::new(FramePoints::default())
@@ -51,8 +46,7 @@ impl VtuWriter {
         let array = |bytes: usize| (bytes + bytes / 1000).div_ceil(3) as u64 * 4 + 12 * (bytes / BLOCK) as u64 + 200;
         let (points, cells) = (frame.points.len(), frame.cells.len());
         let field = |field: &FieldArray| {
-            let padded = if field.components == 2 { 3 } else { field.components.max(1) };
-            let padded = if field.components == 4 { 6 } else { padded };
+            let padded = if field.components == 4 { 6 } else { field.components_in_space().max(1) };
             let names: usize = field.component_names.iter().map(|name| name.len() + 20).sum();
             array(field.values.len() / field.components.max(1) * padded * 8) + (2 * field.name.len() + names) as u64
         };
@@ -94,10 +88,12 @@ impl VtuWriter {
         self.point_data(frame, out)?;
         self.cell_data(frame, out)?;
         self.line("<Points>");
-        let places = if reference { &frame.start } else { &frame.points };
-        let third = if reference { &frame.third_at_start } else { &frame.third };
-        let places = places.iter().enumerate().flat_map(|(i, p)| [p[0], p[1], third.get(i).copied().unwrap_or(0.0)]);
-        self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
+        self.array(
+            "Float64",
+            "Points",
+            " NumberOfComponents=\"3\"",
+            frame.coordinates(self.points).flat_map(f64::to_le_bytes),
+        );
         self.line("</Points>");
         self.flush(out)?;
         self.topology(&frame.cells, out)?;
@@ -122,12 +118,7 @@ impl VtuWriter {
         self.line("<PointData>");
         frame.point_fields.iter().try_for_each(|field| self.field(field, out))?;
         if self.points == FramePoints::Reference && frame.point_fields.iter().all(|field| field.name != "U") {
-            let third = |i: usize| Some(frame.third.get(i)? - frame.third_at_start.get(i)?);
-            let pairs = frame.points.iter().zip(&frame.start).enumerate();
-            let moved = pairs.flat_map(|(i, (p, q))| [p[0] - q[0], p[1] - q[1]].into_iter().chain(third(i)));
-            let components = if frame.third.is_empty() { 2 } else { 3 };
-            let component_names = (1..=components).map(|i| format!("U{i}")).collect();
-            self.field(&FieldArray { name: "U".into(), components, component_names, values: moved.collect() }, out)?;
+            self.field(&frame.displacement(), out)?;
         }
         frame.point_labels.iter().try_for_each(|label| self.label(label, out))?;
         self.line("</PointData>");
@@ -148,15 +139,9 @@ impl VtuWriter {
         self.flush(out)
     }
 
-    /// Writes one array. Vectors in the plane get a third component, and symmetric tensors (rr, zz, hoop, rz) the two
-    /// components that are zero in a body of revolution. VTK's filters then recognise both: XX, YY, ZZ, XY, YZ, XZ.
+    /// Writes one array.
     fn field(&mut self, field: &FieldArray, out: &mut dyn Write) -> io::Result<()> {
-        let tensor = field.components == 4 && field.component_names.last().is_some_and(|name| name.ends_with("12"));
-        let components = match field.components {
-            4 if tensor => 6,
-            2 => 3,
-            count => count,
-        };
+        let components = field.components_in_space();
         let mut attributes = String::new();
         if components > 1 {
             let _ = write!(attributes, " NumberOfComponents=\"{components}\"");
@@ -164,43 +149,23 @@ impl VtuWriter {
         for (i, name) in field.component_names.iter().enumerate() {
             let _ = write!(attributes, " ComponentName{i}=\"{}\"", escape(name));
         }
+        let name = escape(&field.name);
         if field.component_names.len() == 2 {
-            let _ = write!(attributes, " ComponentName2=\"{}3\"", escape(&field.name));
+            let _ = write!(attributes, " ComponentName2=\"{name}3\"");
         }
-        if tensor {
-            let name = escape(&field.name);
+        if field.is_tensor() {
             let _ = write!(attributes, " ComponentName4=\"{name}23\" ComponentName5=\"{name}13\"");
         }
-        let name = escape(&field.name);
-        let more = components - field.components;
-        if more > 0 {
-            let values = field.values.chunks_exact(field.components);
-            let values = values.flat_map(|v| v.iter().copied().chain(std::iter::repeat_n(0.0, more)));
-            self.array("Float64", &name, &attributes, values.flat_map(f64::to_le_bytes));
-        } else {
-            self.array("Float64", &name, &attributes, field.values.iter().flat_map(|v| v.to_le_bytes()));
-        }
+        self.array("Float64", &name, &attributes, field.values_in_space().flat_map(f64::to_le_bytes));
         self.flush(out)
     }
 
-    /// Writes cells. The cell of a deleted element is reduced to one point, because its nodes may be far apart and not
-    /// every VTK filter respects hidden cells (vtkGeometryFilter of 9.7 draws those of unstructured grids).
     fn topology(&mut self, cells: &CellList, out: &mut dyn Write) -> io::Result<()> {
-        let connectivity = cells.iter().flat_map(|cell| {
-            let order = if cell.len() == QUADRATIC.len() { &QUADRATIC[..] } else { &IN_ORDER[..cell.len()] };
-            order.iter().map(move |&i| i64::from(cell[i]))
-        });
-        let offsets = cells.iter().scan(0, |sum, cell| {
-            *sum += cell.len() as i64;
-            Some(*sum)
-        });
-        let types =
-            cells.iter().map(|c| if c.len() == QUADRATIC.len() { 22 } else { [1, 3, 5, 9][c.len().clamp(1, 4) - 1] });
         self.line("<Cells>");
-        self.array("Int64", "connectivity", "", connectivity.flat_map(i64::to_le_bytes));
+        self.array("Int64", "connectivity", "", cells.vtk_connectivity().flat_map(i64::to_le_bytes));
         self.flush(out)?;
-        self.array("Int64", "offsets", "", offsets.flat_map(i64::to_le_bytes));
-        self.array("UInt8", "types", "", types);
+        self.array("Int64", "offsets", "", cells.vtk_offsets().skip(1).flat_map(i64::to_le_bytes));
+        self.array("UInt8", "types", "", cells.vtk_types());
         self.line("</Cells>");
         Ok(())
     }

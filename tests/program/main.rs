@@ -49,4 +49,5 @@ mod tutorial;
 mod verdict;
 mod view;
 mod vtk;
+mod vtkhdf;
 mod watching;

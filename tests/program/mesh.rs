@@ -3,7 +3,10 @@
 
 use std::f64::consts::PI;
 
-use revolve::generate::{CaseCavity, CavityFill, DeckLabels, MeshMeasure, MeshRequest, NoseShape, ProjectileMesh};
+use revolve::generate::{
+    CaseCavity, CavityFill, DeckLabels, MeshMeasure, MeshRequest, NoseShape, ProjectileMesh, RectangleMesh,
+    RectangleRequest,
+};
 use revolve::job;
 use revolve::user::Routines;
 
@@ -94,14 +97,17 @@ fn element_quality_is_near_the_bound_of_the_sharpest_corner() {
         for size in [0.5, 0.25, 0.11] {
             let made = measure(&mesh_request(nose.clone(), 8.0, size));
             let bound = f64::min(0.8 * sharpest.to_radians().sin(), 0.6);
-            println!("{nose:?} {size}: {:.3} (bound {bound:.3}), aspect {:.1}", made.jacobian.0, made.aspect.0);
-            assert!(made.jacobian.0 > bound, "{nose:?} {size}: {:?} {bound}", made.jacobian);
-            assert!(made.height.0 > 0.1 * size, "{nose:?} {size}: {:?}", made.height);
+            println!(
+                "{nose:?} {size}: {:.3} (bound {bound:.3}), aspect {:.1}",
+                made.quality.jacobian.0, made.quality.aspect.0
+            );
+            assert!(made.quality.jacobian.0 > bound, "{nose:?} {size}: {:?} {bound}", made.quality.jacobian);
+            assert!(made.quality.height.0 > 0.1 * size, "{nose:?} {size}: {:?}", made.quality.height);
         }
     }
     for wall in [0.3, 0.1, 0.02] {
         let made = measure(&hollow(CavityFill::None, None, wall, 0.5));
-        assert!(made.jacobian.0 > 0.8 * 33.56_f64.to_radians().sin(), "{wall}: {:?}", made.jacobian);
+        assert!(made.quality.jacobian.0 > 0.8 * 33.56_f64.to_radians().sin(), "{wall}: {:?}", made.quality.jacobian);
     }
 }
 
@@ -118,11 +124,11 @@ fn case_and_fill_match_closed_form_volumes() {
     }
     assert_eq!(none.fill.exact, 0.0);
     assert!((bonded.fill.meshed / inner - 1.0).abs() < 1e-12 && (apart.fill.meshed / inner - 1.0).abs() < 1e-12);
-    assert_eq!(bonded.counts[1], apart.counts[1]);
-    assert!(none.counts[0] < bonded.counts[0] && bonded.counts[0] < apart.counts[0]);
+    assert_eq!(bonded.quality.counts[1], apart.quality.counts[1]);
+    assert!(none.quality.counts[0] < bonded.quality.counts[0] && bonded.quality.counts[0] < apart.quality.counts[0]);
     let three = measure(&hollow(CavityFill::None, Some(3), 0.2, 0.0));
     let five = measure(&hollow(CavityFill::None, Some(5), 0.2, 0.0));
-    assert!(five.counts[1] > three.counts[1]);
+    assert!(five.quality.counts[1] > three.quality.counts[1]);
 }
 
 /// Element sizes grow as requested: the largest aspect ratio of a cylinder is that of its last row, and with `across`
@@ -132,10 +138,14 @@ fn sizes_grow_along_and_across() {
     let even = measure(&mesh_request(NoseShape::Blunt, 8.0, 0.25));
     let along = measure(&MeshRequest { along: 4.0, ..mesh_request(NoseShape::Blunt, 8.0, 0.25) });
     let across = measure(&MeshRequest { across: 3.0, ..mesh_request(NoseShape::Blunt, 8.0, 0.25) });
-    assert!((even.aspect.0 - 1.0).abs() < 1e-9, "{:?}", even.aspect);
-    assert!((3.0..4.0).contains(&along.aspect.0) && along.aspect.1[1] > 7.0, "{:?}", along.aspect);
-    assert!(across.aspect.0 > 1.5 && across.height.1[0] > 0.8, "{across:?}");
-    assert!(along.counts[1] < even.counts[1] && across.counts[1] == even.counts[1]);
+    assert!((even.quality.aspect.0 - 1.0).abs() < 1e-9, "{:?}", even.quality.aspect);
+    assert!(
+        (3.0..4.0).contains(&along.quality.aspect.0) && along.quality.aspect.1[1] > 7.0,
+        "{:?}",
+        along.quality.aspect
+    );
+    assert!(across.quality.aspect.0 > 1.5 && across.quality.height.1[0] > 0.8, "{across:?}");
+    assert!(along.quality.counts[1] < even.quality.counts[1] && across.quality.counts[1] == even.quality.counts[1]);
 }
 
 /// The deck of every shape has no diagnostics except for unused materials, and runs with its outer surface loaded.
@@ -254,4 +264,71 @@ fn refined_decks_are_written() {
         assert!(refused.status.code() == Some(2) && text.contains(message), "{text}");
     }
     assert!(!folder.path().join("none.inp").exists());
+}
+
+/// Blocks, plates, discs, rings and tubes have the volume of the body to rounding, elements of the size asked for at the
+/// fine end and graded by the factor, and run in a deck that uses all their sets and surfaces.
+#[test]
+fn bodies_with_rectangular_sections_are_exact_and_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shapes: [(&str, &[&str], [f64; 2], [f64; 2]); 6] = [
+        ("block", &["--inner", "3", "--outer", "5.3", "--height", "1.7"], [3.0, 5.3], [0.0, 1.7]),
+        ("block", &["--outer", "5", "--height", "2", "--z", "-4", "--along", "3"], [0.0, 5.0], [-4.0, -2.0]),
+        ("ring", &["--inner", "1", "--outer", "2", "--height", "3", "--across", "0.25"], [1.0, 2.0], [0.0, 3.0]),
+        ("plate", &["--radius", "9", "--thickness", "1.1", "--across", "8"], [0.0, 9.0], [-1.1, 0.0]),
+        ("disc", &["--radius", "2", "--thickness", "3.3", "--z", "7"], [0.0, 2.0], [7.0, 10.3]),
+        ("tube", &["--inner", "2", "--wall", "0.35", "--length", "4"], [2.0, 2.35], [0.0, 4.0]),
+    ];
+    for (n, (shape, dimensions, [inner, outer], [bottom, top])) in shapes.into_iter().enumerate() {
+        let mesh = folder.path().join(format!("{n}.inp"));
+        let out = mesh.to_str().expect("a name");
+        let more = ["--size", "0.1", "--first", "101", "--name", "P", "--density", "2", "-o", out];
+        let made = revolve(&[&["mesh", shape], dimensions, &more[..]].concat());
+        let (shown, errors) = (String::from_utf8_lossy(&made.stdout), String::from_utf8_lossy(&made.stderr));
+        assert!(made.status.success(), "{shape}: {errors}");
+        let exact = PI * (outer * outer - inner * inner) * (top - bottom);
+        let mass = shown.split("mass ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+        assert!(
+            mass.is_some_and(|mass| (mass / (2.0 * exact) - 1.0).abs() < 1e-6) && shown.contains(", exact"),
+            "{shown}"
+        );
+        let left = if inner > 0.0 { "INNER" } else { "AXIS" };
+        let inside = if inner > 0.0 { "*Dsload\n P_INNER, P, 1.\n" } else { "" };
+        let text = format!(
+            "*Include, input={n}.inp\n*Material, name=STEEL\n*Density\n 2.,\n*Elastic\n 100., 0.3\n*Boundary\n P_{left}, 1, 1\n\
+             P_BOTTOM, 2, 2\n*Step\n*Dynamic, Explicit\n , 1e-3\n*Dsload\n P_TOP, P, 1.\n P_RIM, P, 1.\n P_OUTER, P, 1.\n{inside}\
+             *Output, history, number interval=1\n*Node Output, nset=P_RIM\n U1\n*Node Output, nset=P_TOP\n U2\n*End Step\n"
+        );
+        let deck = folder.path().join(format!("deck{n}.inp"));
+        std::fs::write(&deck, text).expect("a deck");
+        let results = folder.path().join(format!("out{n}"));
+        let options = ["run", deck.to_str().expect("a name"), "-q", "-o", results.to_str().expect("a name")];
+        let output = revolve(&options);
+        assert!(output.status.success(), "{shape}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let refused = revolve(&["mesh", "ring", "--outer", "2", "--height", "1", "--size", "0.1"]);
+    assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("G001"));
+}
+
+/// Graded widths and heights: the smallest has the size or up to half of it less, the ratio of the outer ones is the factor.
+#[test]
+fn rectangular_sections_are_graded_from_the_smallest_size() {
+    let request = RectangleRequest { radii: [1.0, 9.0], bottom: -2.0, height: 6.0, size: 0.1, across: 5.0, along: 0.2 };
+    let mesh = RectangleMesh::new(&request).expect("a mesh");
+    let [nodes, elements] = mesh.quality().counts;
+    // Progressions from 0.1 to 0.5 with the sums 8 and 6: mean size 0.4/ln 5 = 0.2485.
+    let [columns, rows] = [8.0_f64, 6.0].map(|length| (length / 0.248_534).ceil());
+    assert_eq!((nodes, elements), (((columns + 1.0) * (rows + 1.0)) as usize, (columns * rows) as usize));
+    let height = mesh.quality().height.0;
+    assert!((0.08..=0.1001).contains(&height), "{height}");
+    assert!((mesh.volume().meshed / (PI * 80.0 * 6.0) - 1.0).abs() < 1e-12);
+    for wrong in [
+        RectangleRequest { size: 0.0, ..request },
+        RectangleRequest { radii: [2.0, 2.0], ..request },
+        RectangleRequest { radii: [-1.0, 2.0], ..request },
+        RectangleRequest { across: f64::NAN, ..request },
+        RectangleRequest { size: 1e-6, ..request },
+    ] {
+        assert_eq!(RectangleMesh::new(&wrong).expect_err("a refusal").code, "G001", "{wrong:?}");
+    }
 }

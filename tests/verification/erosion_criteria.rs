@@ -199,6 +199,34 @@ fn deleting_all_elements_leaves_free_nodes() {
     }
 }
 
+/// A ring of one element is torn apart while it moves to the axis. Its free nodes pass the axis: the radius is |r + v t|
+/// with the velocity before, no radius is below zero, and the kinetic energy is constant. Tolerances: rounding.
+#[test]
+fn free_nodes_are_reflected_at_the_axis() {
+    let deck = "*Node, nset=ALL\n 1, 1., 0.\n 2, 1.5, 0.\n 3, 1.5, .5\n 4, 1., .5\n*Element, type=CAX4R, elset=SOLID\n 1, 1, 2, 3, 4\n\
+                *Nset, nset=LOWER\n 1, 2\n*Nset, nset=UPPER\n 3, 4\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n\
+                *Density\n 7.8e-9,\n*Elastic\n 200e3, 0.3\n*Erosion, elset=SOLID, principal strain=1e-3\n\
+                *Initial Conditions, type=VELOCITY\n ALL, 1, -4e5\n LOWER, 2, -1e5\n UPPER, 2, 2e5\n*Step\n*Dynamic, Explicit, direct user control\n 1e-8, 2e-5\n\
+                *Output, history, number interval=200\n*Node Output, nset=ALL\n COOR1, V1\n*Energy Output\n ALLKE, EROPKE\n*End Step\n";
+    let ran = run(deck).whole();
+    let energy = ran.column("EROPKE");
+    let first = 1 + energy.iter().position(|row| row[1] > 0.0).expect("free nodes");
+    let start = ran.column("ALLKE")[first][1];
+    for node in 1..=4 {
+        let (radius, velocity) = (ran.column(&format!("COOR1@{node}")), ran.column(&format!("V1@{node}")));
+        let ([time, r], v) = (radius[first], velocity[first][1]);
+        let last = radius.last().expect("a row");
+        assert!(r + v * (last[0] - time) < -1.0, "node {node} passes the axis");
+        for (row, kinetic) in radius.iter().zip(&energy).skip(first) {
+            let exact = (r + v * (row[0] - time)).abs();
+            assert!(row[1] >= 0.0 && (row[1] - exact).abs() < 1e-9, "node {node}: {row:?}, exact {exact}");
+            assert!((kinetic[1] / start - 1.0).abs() < 1e-12, "{kinetic:?}");
+        }
+        assert!((velocity.last().expect("a row")[1] + v).abs() < 1e-9 * v.abs(), "node {node}");
+    }
+    assert_eq!(ran.outcome.deleted, 1);
+}
+
 /// A cylindrical shell whose halves separate: shell elements are deleted and exert no more forces.
 #[test]
 fn shell_elements_are_eroded() {

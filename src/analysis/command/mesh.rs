@@ -1,4 +1,5 @@
-//! `revolve mesh`: generates a quadrilateral mesh of a projectile as a file for `*INCLUDE`, or refines the mesh of a deck.
+//! `revolve mesh`: generates a quadrilateral mesh of a projectile or a body with a rectangular section as a file for
+//! `*INCLUDE`, or refines the mesh of a deck.
 
 use std::error::Error;
 use std::fs;
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::mesh_rectangle::{BlockArguments, DiscArguments, TubeArguments};
 use super::mesh_refine::RefineArguments;
 use super::options::QuietOption;
 use super::words::print_out;
@@ -14,19 +16,20 @@ use super::{CommandStatus, PictureFormat};
 use crate::deck::{Diagnostic, files};
 use crate::generate::{
     CaseCavity, CavityFill, DeckLabels, MeridianPoint, MeshMeasure, MeshRequest, NoseShape, PartVolume,
-    ProjectileMesh as Meshed,
+    ProjectileMesh as Meshed, QuadQuality,
 };
 use crate::output::{self, csv};
 
-/// Generate a CAX4R mesh of a projectile as a file for *INCLUDE, or refine the mesh of a deck.
+/// Generate a CAX4R mesh of a projectile, block, plate, disc, ring or tube as a file for *INCLUDE, or refine the mesh of a
+/// deck.
 #[derive(Args)]
 pub struct MeshCommand {
     #[command(subcommand)]
-    shape: ProjectileShape,
+    shape: MeshShape,
 }
 
 #[derive(Subcommand)]
-enum ProjectileShape {
+enum MeshShape {
     /// Ogive nose and cylindrical shank.
     Ogive {
         /// Caliber radius head (CRH): ogive radius divided by shank diameter.
@@ -68,6 +71,16 @@ enum ProjectileShape {
         #[command(flatten)]
         made: MeshArguments,
     },
+    /// Body between two radii and two heights.
+    Block(BlockArguments),
+    /// Circular plate, whose upper face is at the height --z: a target.
+    Plate(DiscArguments),
+    /// Solid disc, whose lower face is at the height --z.
+    Disc(DiscArguments),
+    /// Ring between two radii.
+    Ring(BlockArguments),
+    /// Tube with an inner radius and a wall.
+    Tube(TubeArguments),
     /// Write a deck with its mesh refined or coarsened, and listed node by node.
     Refine(RefineArguments),
 }
@@ -116,12 +129,8 @@ struct MeshArguments {
     /// Write a picture of the mesh, .png or .svg.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Density of the projectile or its case; the mass is printed.
-    #[arg(long, conflicts_with = "target_mass")]
-    density: Option<f64>,
-    /// Required total mass; the density that gives this mass on the mesh is printed.
-    #[arg(long, value_name = "MASS")]
-    target_mass: Option<f64>,
+    #[command(flatten)]
+    masses: MassArguments,
     /// Density of the fill; its mass is printed.
     #[arg(long, requires = "wall")]
     fill_density: Option<f64>,
@@ -144,12 +153,17 @@ struct MeshArguments {
 impl MeshCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (nose, shank, made) = match self.shape {
-            ProjectileShape::Refine(refine) => return refine.execute(),
-            ProjectileShape::Ogive { crh, shank, made } => (NoseShape::Ogive { crh }, Some(shank), made),
-            ProjectileShape::Sphere { shank, made } => (NoseShape::Sphere, Some(shank), made),
-            ProjectileShape::Cone { half_angle, shank, made } => (NoseShape::Cone { half_angle }, Some(shank), made),
-            ProjectileShape::Blunt { shank, made } => (NoseShape::Blunt, Some(shank), made),
-            ProjectileShape::Polyline { points, made } => (NoseShape::Polyline(read_points(&points)?), None, made),
+            MeshShape::Refine(refine) => return refine.execute(),
+            MeshShape::Block(block) => return block.execute("block"),
+            MeshShape::Plate(plate) => return plate.execute("plate"),
+            MeshShape::Disc(disc) => return disc.execute("disc"),
+            MeshShape::Ring(ring) => return ring.execute("ring"),
+            MeshShape::Tube(tube) => return tube.execute(),
+            MeshShape::Ogive { crh, shank, made } => (NoseShape::Ogive { crh }, Some(shank), made),
+            MeshShape::Sphere { shank, made } => (NoseShape::Sphere, Some(shank), made),
+            MeshShape::Cone { half_angle, shank, made } => (NoseShape::Cone { half_angle }, Some(shank), made),
+            MeshShape::Blunt { shank, made } => (NoseShape::Blunt, Some(shank), made),
+            MeshShape::Polyline { points, made } => (NoseShape::Polyline(read_points(&points)?), None, made),
         };
         made.write(&made.mesh_request(nose, shank))?;
         Ok(super::output_status())
@@ -197,21 +211,34 @@ impl MeshArguments {
 
     /// Returns the lines that are printed and written as comments at the top of the mesh file.
     fn lines(&self, measure: &MeshMeasure, order: Option<f64>) -> Result<Vec<String>, Diagnostic> {
-        let location = |[r, z]: MeridianPoint| format!("at r = {r:.4e}, z = {z:.4e}");
-        let [nodes, elements] = measure.counts;
-        let mut lines = vec![
-            format!("{elements} elements, {nodes} nodes"),
-            format!("smallest scaled Jacobian {:.3} {}", measure.jacobian.0, location(measure.jacobian.1)),
-            format!("largest aspect ratio {:.2} {}", measure.aspect.0, location(measure.aspect.1)),
-            format!("smallest element height {:.4e} {}", measure.height.0, location(measure.height.1)),
-            volume_line("volume", &measure.case, order),
-        ];
+        let mut lines = quality_lines(&measure.quality);
+        lines.push(volume_line("volume", &measure.case, order));
         if measure.fill.exact > 0.0 {
             lines.push(volume_line("volume of the fill", &measure.fill, None));
         }
         let fill = self.fill_density.unwrap_or(0.0) * measure.fill.meshed;
+        lines.extend(self.masses.lines(measure.case.meshed, fill)?);
+        Ok(lines)
+    }
+}
+
+/// Density or mass of a body.
+#[derive(Args)]
+pub struct MassArguments {
+    /// Density of the body, of a hollow projectile that of its case; the mass is printed.
+    #[arg(long, conflicts_with = "target_mass")]
+    density: Option<f64>,
+    /// Required total mass; the density that gives this mass on the mesh is printed.
+    #[arg(long, value_name = "MASS")]
+    target_mass: Option<f64>,
+}
+
+impl MassArguments {
+    /// Returns the lines on the mass of a body with a volume, and with a fill of a mass.
+    pub fn lines(&self, volume: f64, fill: f64) -> Result<Vec<String>, Diagnostic> {
+        let mut lines = Vec::new();
         if let Some(density) = self.density {
-            let mass = density * measure.case.meshed;
+            let mass = density * volume;
             let with = if fill > 0.0 { format!(", {:.6e} with the fill", mass + fill) } else { String::new() };
             lines.push(format!("mass {mass:.6e} at a density of {density}{with}"));
         }
@@ -223,13 +250,25 @@ impl MeshArguments {
                     Diagnostic::error("G007", message).help("decrease --fill-density or increase --target-mass")
                 );
             }
-            lines.push(format!("density {:.8e} gives a mass of {mass}", (mass - fill) / measure.case.meshed));
+            lines.push(format!("density {:.8e} gives a mass of {mass}", (mass - fill) / volume));
         }
         Ok(lines)
     }
 }
 
-fn volume_line(what: &str, part: &PartVolume, order: Option<f64>) -> String {
+/// Returns the lines on the quality of the elements.
+pub fn quality_lines(quality: &QuadQuality) -> Vec<String> {
+    let location = |[r, z]: MeridianPoint| format!("at r = {r:.4e}, z = {z:.4e}");
+    let [nodes, elements] = quality.counts;
+    vec![
+        format!("{elements} elements, {nodes} nodes"),
+        format!("smallest scaled Jacobian {:.3} {}", quality.jacobian.0, location(quality.jacobian.1)),
+        format!("largest aspect ratio {:.2} {}", quality.aspect.0, location(quality.aspect.1)),
+        format!("smallest element height {:.4e} {}", quality.height.0, location(quality.height.1)),
+    ]
+}
+
+pub fn volume_line(what: &str, part: &PartVolume, order: Option<f64>) -> String {
     let error = match part.error() {
         0.0 => "exact".to_owned(),
         error => format!("{:+.3} % relative to the exact profile", 100.0 * error),

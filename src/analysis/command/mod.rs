@@ -14,6 +14,7 @@ pub mod lsp;
 mod map;
 pub mod material;
 pub mod mesh;
+mod mesh_rectangle;
 mod mesh_refine;
 pub mod new;
 pub mod options;

@@ -48,8 +48,7 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         print_profile(summary);
     }
     print_out!("digest {}", summary.digest);
-    let has_frames = frames != FrameOutput::Absent && job.path(".pvd").is_file();
-    print_out!("results in {}", job.path(if has_frames { ".pvd" } else { HISTORY }).display());
+    print_out!("results in {}", frames.file(job).unwrap_or_else(|| job.path(HISTORY)).display());
 }
 
 /// Prints the verdict, and its reasons with places and cards.

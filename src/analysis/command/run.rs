@@ -12,7 +12,7 @@ use crate::job::{
 };
 use crate::model::Model;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::{self, FramePoints, RunHistory};
+use crate::output::{self, FrameFormat, FramePoints, FrameStyle, RunHistory};
 use crate::overview::{self, StorageEstimate};
 use crate::plan::WriteSchedule;
 use crate::platform::signals::watch_signals;
@@ -77,6 +77,10 @@ pub struct RunCommand {
     /// ParaView).
     #[arg(long, value_enum, default_value = "current", conflicts_with = "no_frames")]
     points: FramePoints,
+    /// Files of the frames: pvd (one .vtu file per frame) or vtkhdf (one file with all frames, for VTK 9.5 and ParaView
+    /// 6.0 or later).
+    #[arg(long, value_enum, default_value = "pvd", conflicts_with = "no_frames")]
+    format: FrameFormat,
     /// Write no frames, only histories and the summary file.
     #[arg(long)]
     no_frames: bool,
@@ -251,7 +255,8 @@ impl RunCommand {
     }
 
     fn frames(&self) -> FrameOutput {
-        if self.no_frames { FrameOutput::Absent } else { FrameOutput::Written(self.points) }
+        let style = FrameStyle { points: self.points, format: self.format };
+        if self.no_frames { FrameOutput::Absent } else { FrameOutput::Written(style) }
     }
 
     /// Returns whether informational output is suppressed.
@@ -403,13 +408,9 @@ struct RunReport<'a> {
 /// Prints the reason of a halt. Returns 0, the status of a halted run, or 128 plus the signal number, as shells do.
 fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, signal: usize) -> CommandStatus {
     let Some(halt) = &summary.halt else { return CommandStatus::SUCCESS };
-    let last = match frames {
-        // After a failure of the first frame there is no list.
-        FrameOutput::Written(_) if job.path(".pvd").is_file() => {
-            format!("\nthe last valid state is in {}", job.path(".pvd").display())
-        }
-        _ => String::new(),
-    };
+    // After a failure of the first frame there is no file.
+    let last =
+        frames.file(job).map_or_else(String::new, |path| format!("\nthe last valid state is in {}", path.display()));
     print_err!("halted: {halt}{last}");
     if !summary.interrupted {
         return CommandStatus::HALTED;

@@ -9,8 +9,8 @@ use super::data::{ColumnSummaryRow, ReportPage, ReportRun};
 use super::read::{in_file, json, text, verified_json, verified_text};
 use super::units::UnitNames;
 use super::{PageOptions, ReportError, balance, compare, frames, history, limits, pack, search, study, sweep};
-use crate::output::HISTORY;
 use crate::output::sums::Checksums;
+use crate::output::{HISTORY, VTKHDF};
 use crate::study::cases::{LOG, finished_table};
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::study::record::CERTIFICATE;
@@ -129,6 +129,8 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
         let series = frames::series(&list)?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
         run.meridian = pack::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
+    } else if folder.join(format!("{name}{VTKHDF}")).is_file() {
+        run.notes.push(format!("there are no pictures: the frames are in {name}{VTKHDF}, for ParaView"));
     } else {
         run.notes.push("there are no frames: the deck requests no field output".into());
     }

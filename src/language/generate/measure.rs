@@ -3,6 +3,7 @@
 use super::mesh::{FreeSide, MeshPart, ProjectileMesh, SurfacePart};
 use super::profile::{MeridianPoint, ProfilePiece};
 use super::quality::{aspect, height, least_scaled_jacobian, volume};
+use super::sheet::QuadMesh;
 
 /// Volume of a part, meshed and exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,9 +22,9 @@ impl PartVolume {
     }
 }
 
-/// Quality and volumes of a mesh. Positions are element centres.
+/// Quality of the elements of a mesh. Positions are element centres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshMeasure {
+pub struct QuadQuality {
     /// Number of nodes and of elements.
     pub counts: [usize; 2],
     /// Smallest scaled Jacobian, and its position.
@@ -32,30 +33,46 @@ pub struct MeshMeasure {
     pub aspect: (f64, MeridianPoint),
     /// Smallest element height (area over longest side), and its position.
     pub height: (f64, MeridianPoint),
+}
+
+/// Quality and volumes of a projectile mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshMeasure {
+    /// Quality of the elements.
+    pub quality: QuadQuality,
     /// Volume of the projectile without fill, or of its case.
     pub case: PartVolume,
     /// Volume of the fill of the cavity; zero without one.
     pub fill: PartVolume,
 }
 
-impl ProjectileMesh {
-    /// Computes the number of nodes and elements, the quality of the elements and the volumes.
-    pub fn measure(&self) -> MeshMeasure {
+impl QuadMesh {
+    /// Computes the number of nodes and elements and the quality of the elements.
+    pub fn quality(&self) -> QuadQuality {
         let (mut jacobian, mut stretched, mut low) =
             ((f64::INFINITY, [0.0; 2]), (0.0, [0.0; 2]), (f64::INFINITY, [0.0; 2]));
-        let mut volumes = [0.0; 2];
-        for (element, part) in self.parts.iter().enumerate() {
-            let corners = self.sheet.corners(element);
+        for element in 0..self.elements.len() {
+            let corners = self.corners(element);
             let middle = [0, 1].map(|k| 0.25 * corners.iter().map(|p| p[k]).sum::<f64>());
             let [j, a, h] = [least_scaled_jacobian(corners), aspect(corners), height(corners)];
             jacobian = if j < jacobian.0 { (j, middle) } else { jacobian };
             stretched = if a > stretched.0 { (a, middle) } else { stretched };
             low = if h < low.0 { (h, middle) } else { low };
-            volumes[usize::from(*part == MeshPart::Fill)] += volume(corners);
+        }
+        let counts = [self.points.len(), self.elements.len()];
+        QuadQuality { counts, jacobian, aspect: stretched, height: low }
+    }
+}
+
+impl ProjectileMesh {
+    /// Computes the quality of the elements and the volumes.
+    pub fn measure(&self) -> MeshMeasure {
+        let mut volumes = [0.0; 2];
+        for (element, part) in self.parts.iter().enumerate() {
+            volumes[usize::from(*part == MeshPart::Fill)] += volume(self.sheet.corners(element));
         }
         let [case, fill] = [0, 1].map(|k| PartVolume { meshed: volumes[k], exact: self.exact()[k] });
-        let counts = [self.sheet.points.len(), self.sheet.elements.len()];
-        MeshMeasure { counts, jacobian, aspect: stretched, height: low, case, fill }
+        MeshMeasure { quality: self.sheet.quality(), case, fill }
     }
 
     /// Returns the order of convergence of the volume when all element sides on the profile are halved; `None` for

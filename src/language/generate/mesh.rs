@@ -120,7 +120,7 @@ pub struct ProjectileMesh {
 }
 
 /// Largest number of elements.
-const MAX_ELEMENTS: f64 = 1e7;
+pub(super) const MAX_ELEMENTS: f64 = 1e7;
 
 impl ProjectileMesh {
     /// Generates the mesh.
@@ -135,7 +135,7 @@ impl ProjectileMesh {
         }
         let columns = ColumnShares::of(request, &outline);
         let mesh = MeshBuilder::new(request, &outline, &columns).mesh();
-        let worst = mesh.measure().jacobian;
+        let worst = mesh.sheet.quality().jacobian;
         if worst.0 > 1e-6 {
             return Ok(mesh);
         }

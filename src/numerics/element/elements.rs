@@ -14,6 +14,7 @@ use super::connector::{Connectors, damped_rate};
 use super::damping::RayleighDamping;
 use super::distortion::DistortionControl;
 use super::erosion::ErosionControl;
+use super::free_nodes::FreeNodes;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, ElementPass, GroupTotals};
 use super::lengths::UserLengthElements;
@@ -54,7 +55,7 @@ const AHEAD: usize = 2;
 // are saved because their zeros have signs, which affect the accelerations.
 #[persist(
     each: groups;
-    present: connectors, damping, distortion, erosion, removed, masses, frequency, rings, tiles;
+    present: connectors, damping, distortion, erosion, removed, free_nodes, masses, frequency, rings, tiles;
     derived: ids, deformed, interfaces, averagings, lengths, fields, arch, gather, prefetch, failure;
     then: Elements::check_deleted
 )]
@@ -90,6 +91,8 @@ pub struct Elements {
     pub(super) erosion: Option<Box<ErosionControl>>,
     /// Masses and energies of deleted elements; `None` unless requested.
     pub removed: Option<Box<DeletionRecord>>,
+    /// Nodes whose elements are all deleted; `None` if no element can be deleted.
+    pub(super) free_nodes: Option<Box<FreeNodes>>,
     /// Unscaled masses and mass factors; `None` without mass scaling.
     pub(super) masses: Option<Box<ScaledMasses>>,
     /// Instruction set of the loops over nodes.
@@ -171,6 +174,9 @@ impl Elements {
         self.deleted.0.reserve_exact(fragile.saturating_sub(self.deleted.0.len()));
         if let Some(removed) = &mut self.removed {
             removed.make_room();
+        }
+        if fragile > 0 {
+            self.free_nodes.get_or_insert_with(|| Box::new(FreeNodes::new(&self.groups))).make_room();
         }
     }
 
@@ -338,6 +344,7 @@ impl Elements {
         self.prefetch.stop(prefetch_started);
         self.add_interface_limit(interface);
         self.count_removed();
+        self.count_free_nodes();
         if let Some(rings) = &mut self.rings {
             rings.measure(&self.groups, &dofs.nodes);
         }
@@ -390,6 +397,9 @@ impl Elements {
         self.deleted_before = previous.deleted() - self.deleted.0.len();
         if let (Some(erosion), Some(previous)) = (&mut self.erosion, &previous.erosion) {
             erosion.follow_new_mesh(previous, group);
+        }
+        if let (Some(free), Some(previous)) = (&mut self.free_nodes, &previous.free_nodes) {
+            free.follow_new_mesh(previous, &node);
         }
         if let (Some(removed), Some(previous)) = (&mut self.removed, &previous.removed) {
             removed.follow_new_mesh(previous, (group, self.deleted.0.len()), node);

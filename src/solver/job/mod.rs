@@ -29,7 +29,7 @@ use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, INPUT, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, whole::remove,
+    FrameStyle, HISTORY, HistorySummary, INPUT, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, whole::remove,
     write_summary, write_whole,
 };
 use crate::overview::DeckOverview;
@@ -396,22 +396,30 @@ pub struct JobOptions<'a> {
     pub provenance: Option<Provenance>,
     /// Callback that receives each warning when it is issued.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// Whether frames are written, and with which coordinates.
+    /// Whether frames are written, with which coordinates and to which files.
     pub frames: FrameOutput,
 }
 
-/// Whether frames are written, and with which coordinates.
+/// Whether frames are written, with which coordinates and to which files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameOutput {
-    /// Frames are written with their points at current or reference coordinates.
-    Written(FramePoints),
+    /// Frames are written.
+    Written(FrameStyle),
     /// No frames are written, only histories and the summary.
     Absent,
 }
 
+impl FrameOutput {
+    /// Returns the file of a job to open in ParaView; `None` if there is none.
+    pub fn file(self, job: &JobFiles) -> Option<PathBuf> {
+        let FrameOutput::Written(style) = self else { return None };
+        Some(job.path(style.format.suffix())).filter(|path| path.is_file())
+    }
+}
+
 impl Default for FrameOutput {
     fn default() -> Self {
-        FrameOutput::Written(FramePoints::default())
+        FrameOutput::Written(FrameStyle::default())
     }
 }
 
@@ -524,14 +532,15 @@ impl FileSink<'_> {
     }
 
     /// Writes the final history file. Returns the checksums of all files except the summary, and the error if the
-    /// history file could not be written.
+    /// history file could not be written or the frames not be read.
     fn end(&mut self) -> (Checksums, Option<io::Error>) {
-        let mut sums = if self.wanted == FrameOutput::Absent { Checksums::default() } else { self.frames.sums() };
+        let of_frames = if self.wants_frames() { self.frames.sums() } else { Ok(Checksums::default()) };
+        let (mut sums, unread) = of_frames.map_or_else(|e| (Checksums::default(), Some(e)), |sums| (sums, None));
         let written = self.write_history();
         if let Ok(sum) = &written {
             sums.add_sum(self.job, HISTORY, *sum);
         }
-        (sums, written.err())
+        (sums, written.err().or(unread))
     }
 }
 
@@ -683,14 +692,14 @@ pub fn run_with<'a>(
     announce_to_user(prepared, job);
     let mut history = RunHistory::of_rows(prepared.plan.column_names());
     let goes_on = options.from.is_some();
-    let points = if let FrameOutput::Written(points) = options.frames { points } else { FramePoints::default() };
+    let style = if let FrameOutput::Written(style) = options.frames { style } else { FrameStyle::default() };
     let frames = match &options.from {
-        None => FrameWriter::new(job.clone(), points),
+        None => FrameWriter::new(job.clone(), style),
         Some(checkpoint) => {
             let (mut frames, mut archive) = (Vec::new(), StateArchive::reader(&checkpoint.shown));
             persist_shown(&mut frames, &mut history, &mut archive);
             archive.finish().map_err(checkpoint_mismatch)?;
-            FrameWriter::resume(job.clone(), frames, points)
+            FrameWriter::resume(job.clone(), frames, style)
         }
     };
     let frames = frames.map_err(JobError::Folder)?;

@@ -95,7 +95,11 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
         ("mass scaling", "masses", elements.bytes_of_masses()),
         ("erosion", "elements", elements.bytes_of_erosion()),
-        ("record of deleted elements", "elements and nodes", elements.removed.as_ref().map_or(0, |r| r.bytes())),
+        (
+            "record of deleted elements",
+            "elements and nodes",
+            elements.removed.as_ref().map_or(0, |r| r.bytes()) + elements.bytes_of_free_nodes(),
+        ),
     ];
     for (effect, name, bytes) in named {
         let row = ledger.effects.iter().position(|row| row.effect == effect);
