@@ -52,10 +52,10 @@ pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{
-    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, RunEnd, StepSummary,
+    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, RangeShare, RunEnd,
+    StepSummary,
 };
 pub use position::RunPosition;
-pub use ranges::RangeShare;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
 pub use restart::{CheckpointInterval, END_OF_TRIAL, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};

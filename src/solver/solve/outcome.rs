@@ -5,7 +5,6 @@ use serde::Serialize;
 
 use super::energy::Energy;
 use super::limits::IncrementLimits;
-use super::ranges::RangeShare;
 use crate::load::PenetrationOutcome;
 use crate::state::EffectId;
 use crate::state::halt::HaltReason;
@@ -106,6 +105,25 @@ impl Outcome {
     pub fn total_time(&self) -> f64 {
         self.steps.iter().map(|step| step.time).sum()
     }
+}
+
+/// Share of a material beyond the range of its constants, part of `<job>.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RangeShare {
+    /// Name of the material.
+    pub material: String,
+    /// Quantity with a range.
+    pub quantity: &'static str,
+    /// Lower limit; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower: Option<f64>,
+    /// Upper limit; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub upper: Option<f64>,
+    /// Share of mass times time beyond the range; for strain rates of mass times plastic strain.
+    pub share: f64,
+    /// Smallest and largest value found, of elements that flow plastically for strain rates.
+    pub extremes: [f64; 2],
 }
 
 /// End of a run, as far as searches and samples need it.

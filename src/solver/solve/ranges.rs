@@ -1,8 +1,6 @@
 //! Shares of mass and time for which materials are beyond the range of their constants (`*MATERIAL RANGE`).
 
-use serde::Serialize;
-
-use super::outcome::Outcome;
+use super::outcome::{Outcome, RangeShare};
 use super::run_state::RunState;
 use crate::element::group::ElementGroup;
 use crate::element::values;
@@ -18,25 +16,6 @@ const SAMPLE_EVERY: u64 = 16;
 /// Share beyond the range above which a warning is issued. It is the limit of hourglass energy and of energy lost in contact:
 /// a smaller share hardly changes integral results.
 const NOTABLE: f64 = 0.05;
-
-/// Share of a material beyond the range of its constants, part of `<job>.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RangeShare {
-    /// Name of the material.
-    pub material: String,
-    /// Quantity with a range.
-    pub quantity: &'static str,
-    /// Lower limit; `None` without one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lower: Option<f64>,
-    /// Upper limit; `None` without one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub upper: Option<f64>,
-    /// Share of mass times time beyond the range; for strain rates of mass times plastic strain.
-    pub share: f64,
-    /// Smallest and largest value found, of elements that flow plastically for strain rates.
-    pub extremes: [f64; 2],
-}
 
 /// Sums over the samples of a range.
 #[derive(Clone, Copy, Debug, Default, Persist)]
