@@ -76,7 +76,11 @@ fn find_code(code: &str) -> Option<&'static DiagnosticCode> {
 
 /// Returns the effect of a diagnostic code on the verdict; `None` for information.
 pub fn effect_of(code: &str) -> Option<&'static VerdictEffect> {
-    plan::codes::EFFECTS.iter().chain(model::codes::EFFECTS).chain(output::codes::EFFECTS).find(|effect| effect.code == code)
+    plan::codes::EFFECTS
+        .iter()
+        .chain(model::codes::EFFECTS)
+        .chain(output::codes::EFFECTS)
+        .find(|effect| effect.code == code)
 }
 
 /// Returns whether a message with a code makes the results doubtful.
