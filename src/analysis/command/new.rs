@@ -57,13 +57,18 @@ impl NewCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         std::fs::create_dir_all(&self.out).map_err(|e| format!("cannot create folder {}: {e}", self.out.display()))?;
         let files = self.template.files();
-        for (name, text) in files {
-            write_new(&self.out.join(name), text)?;
+        let paths: Vec<PathBuf> = files.iter().map(|(name, _)| self.out.join(name)).collect();
+        for (count, (path, (_, text))) in paths.iter().zip(files).enumerate() {
+            if let Err(why) = write_new(path, text) {
+                // With a part of the files, the command could not be repeated.
+                paths[..count].iter().for_each(|path| drop(std::fs::remove_file(path)));
+                return Err(why.into());
+            }
         }
         if self.quiet.quiet {
             return Ok(CommandStatus::SUCCESS);
         }
-        let paths: Vec<String> = files.iter().map(|(name, _)| self.out.join(name).display().to_string()).collect();
+        let paths: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         print_out!("wrote {}", paths.join(" and "));
         let user = paths.get(1).map_or(String::new(), |routine| format!(" --user {routine}"));
         print_out!("  revolve check {}{user}", paths[0]);

@@ -28,7 +28,7 @@ pub struct ProtocolError {
 }
 
 impl ProtocolError {
-    fn new(code: ErrorCode, message: impl Into<String>) -> Incoming {
+    fn without_id(code: ErrorCode, message: impl Into<String>) -> Incoming {
         Incoming::Malformed(ProtocolError { id: Value::Null, code, message: message.into() })
     }
 
@@ -62,20 +62,20 @@ pub fn read(input: &mut impl BufRead) -> io::Result<Option<Incoming>> {
         }
         let Some((name, value)) = text.split_once(':') else {
             let message = "malformed header line: expected `Content-Length: ` and the number of bytes";
-            return Ok(Some(ProtocolError::new(ErrorCode::ParseError, message)));
+            return Ok(Some(ProtocolError::without_id(ErrorCode::ParseError, message)));
         };
         if name.eq_ignore_ascii_case("Content-Length") {
             length = value.trim().parse().ok();
         }
     }
     let Some(length) = length else {
-        return Ok(Some(ProtocolError::new(ErrorCode::ParseError, "the header has no valid Content-Length")));
+        return Ok(Some(ProtocolError::without_id(ErrorCode::ParseError, "the header has no valid Content-Length")));
     };
     let mut body = Vec::new();
     if length > MOST_BYTES {
         io::copy(&mut input.take(length), &mut io::sink())?;
         let message = format!("the message has {length} bytes; at most {MOST_BYTES} are read");
-        return Ok(Some(ProtocolError::new(ErrorCode::InvalidRequest, message)));
+        return Ok(Some(ProtocolError::without_id(ErrorCode::InvalidRequest, message)));
     }
     if input.take(length).read_to_end(&mut body)? as u64 != length {
         return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the stream ends within a message"));
@@ -86,11 +86,17 @@ pub fn read(input: &mut impl BufRead) -> io::Result<Option<Incoming>> {
 fn message_of(body: &[u8]) -> Incoming {
     let value: Value = match serde_json::from_slice(body) {
         Ok(value) => value,
-        Err(why) => return ProtocolError::new(ErrorCode::ParseError, format!("the message is not JSON: {why}")),
+        Err(why) => return ProtocolError::without_id(ErrorCode::ParseError, format!("the message is not JSON: {why}")),
     };
     let id = value.get("id").filter(|id| id.is_i64() || id.is_string()).cloned().unwrap_or_default();
-    serde_json::from_value(value).map_or_else(
-        |_| {
+    // A response may lack both its result and its error for the library, which ignores other keys.
+    let has_kind = match value.get("method") {
+        Some(method) => method.is_string(),
+        None => value.get("result").or(value.get("error")).is_some(),
+    };
+    let message = if has_kind { serde_json::from_value(value).ok() } else { None };
+    message.map_or_else(
+        || {
             let message = "expected a request, notification or response of JSON-RPC 2.0".to_owned();
             Incoming::Malformed(ProtocolError { id, code: ErrorCode::InvalidRequest, message })
         },

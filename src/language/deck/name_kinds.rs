@@ -164,6 +164,7 @@ mod tests {
         "INPUT",
         "LINE",
         "NAME",
+        "OFFSET",
         "POISSON",
         "SHIFT NODES",
         "STATISTICS",

@@ -45,9 +45,10 @@ impl UserFieldArrays {
         if variables == 0 {
             return UserFieldArrays::default();
         }
+        let of_nodes = || vec![0.0; NODAL_COMPONENTS * MOST_NODES];
         UserFieldArrays {
             coordinates: vec![0.0; 3 * MOST_NODES],
-            motion: [(); 3].map(|()| vec![0.0; NODAL_COMPONENTS * MOST_NODES]),
+            motion: [of_nodes(), of_nodes(), of_nodes()],
             values: vec![0.0; variables * MOST_NODES],
         }
     }

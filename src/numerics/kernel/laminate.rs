@@ -117,11 +117,11 @@ impl PointElasticity {
         }
     }
 
-    /// Returns the strain through the thickness for a change of stress; 0 for a lamina, whose constants do not define it.
+    /// Returns the strain through the thickness per sum of both stresses; 0 for a lamina, whose constants do not define it.
     #[inline(always)]
-    pub fn thinning(&self, change: [f64; 2]) -> f64 {
+    pub fn thinning(&self) -> f64 {
         match self {
-            PointElasticity::Isotropic(elastic) => elastic.thinning(change),
+            PointElasticity::Isotropic(elastic) => -elastic.ratio / elastic.young,
             PointElasticity::Orthotropic(_) => 0.0,
         }
     }

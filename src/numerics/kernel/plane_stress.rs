@@ -51,12 +51,6 @@ impl PlaneElastic {
         ]
     }
 
-    /// Returns the elastic strain through the thickness for a change of stress.
-    #[inline(always)]
-    pub fn thinning(&self, change: [f64; 2]) -> f64 {
-        -self.ratio / self.young * (change[0] + change[1])
-    }
-
     /// Returns a trial stress to the yield stress at the resulting plastic strain and rate: reference for the lanes.
     #[cfg(test)]
     pub(super) fn returned(

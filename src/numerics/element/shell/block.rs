@@ -154,9 +154,10 @@ impl ShellBlockUpdate<'_> {
         let layer = &section.layers[layer];
         let (returned, work) = self.return_point(layer, (&previous, &strain), index);
         let mut thinning = ZERO;
+        let per_stress = layer.elasticity.thinning();
         for l in 0..LANES {
             let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - previous[axis][l]);
-            thinning[l] = layer.elasticity.thinning(change) - (returned.plastic[0][l] + returned.plastic[1][l]);
+            thinning[l] = per_stress * (change[0] + change[1]) - (returned.plastic[0][l] + returned.plastic[1][l]);
             lanes.thinning[l] += weight * thinning[l];
             lanes.plastic[l] += weight * work[l];
         }

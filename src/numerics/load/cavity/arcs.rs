@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::rings::{RingHarmonics, RingSlope};
 use crate::kernel::cavity::CavityResistance;
+use crate::kernel::lanes::inline_from_fn;
 
 /// Mean over a ring of the pressure p, p cos and p sin.
 pub(super) type PressureMeans = [f64; 3];
@@ -31,7 +32,7 @@ pub(super) fn part_of_ring(
     let RingHarmonics { mean, cosine, sine, .. } = *around;
     let moving = moments_above(-mean, swing);
     let full = moments_above(onset - mean, swing);
-    let partial: CosineMoments = std::array::from_fn(|k| moving[k] - full[k]);
+    let partial: CosineMoments = inline_from_fn(|k| moving[k] - full[k]);
     // Pressure as a polynomial in the cosine; below the onset it is multiplied by (mean + swing cos) / onset.
     let p = [law.c0 + mean * (law.c1 + law.c2 * mean), swing * (law.c1 + 2.0 * law.c2 * mean), law.c2 * swing * swing];
     let [rise, growth] = [mean / onset, swing / onset];

@@ -68,7 +68,7 @@ fn strength(material: &MaterialDefinition) -> Option<[f64; 2]> {
 fn mean_density(model: &Model, rigid: &RigidBody, body: &PlannedRigidBody) -> Option<f64> {
     let cone = |&element: &usize| {
         let &[a, b] = &model.mesh.elements[element].nodes[..] else { return 0.0 };
-        let ([ra, za], [rb, zb]) = (model.mesh.points[a as usize], model.mesh.points[b as usize]);
+        let ([ra, za], [rb, zb]) = (model.mesh.points[a], model.mesh.points[b]);
         PI / 3.0 * (zb - za) * (ra * ra + ra * rb + rb * rb)
     };
     let volume = rigid.elements.iter().map(cone).sum::<f64>().abs();
