@@ -328,7 +328,9 @@ def element_faces() -> None:
     polygon_faces(f, [(290, 200), (400, 208), (330, 296)])
     f.text((345, 170), "CAX3, CAX3T")
     corners = [(490, 200), (640, 205), (555, 296)]
-    middles = [tuple((a[i] + b[i]) / 2 for i in (0, 1)) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    middles = [
+        tuple((a[i] + b[i]) / 2 for i in (0, 1)) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)
+    ]
     polygon_faces(f, corners, middles)
     f.text((565, 170), "CAX6M")
     for left, name in ((60, "SAX1"), (250, "RAX2")):
@@ -386,11 +388,20 @@ def target_layers() -> None:
     nose = [(axis, 182), (axis + 14, 200), (axis + 24, 222), (axis + 28, 246), (axis + 28, 288), (axis, 288)]
     f.line(nose, BLUE, 2, fill=FILL, close=True)
     f.arrow((axis + 13, 270), (axis + 13, 232))
-    rows = [(170, 130, "#e9e9e9", "STEEL, 0.012", "layer 1"), (130, 95, "white", ", 0.010", "gap: the material is left out"),
-            (95, 45, "#f3e3d3", "ALUMINIUM, 0.015", "layer 2; without a thickness the last layer has no end")]
+    rows = [
+        (170, 130, "#e9e9e9", "STEEL, 0.012", "layer 1"),
+        (130, 95, "white", ", 0.010", "gap: the material is left out"),
+        (95, 45, "#f3e3d3", "ALUMINIUM, 0.015", "layer 2; without a thickness the last layer has no end"),
+    ]
     for high, low, colour, text, meaning in rows:
-        f.line([(axis, low), (370, low), (370, high), (axis, high)], INK if colour != "white" else GREY, 1.2,
-               "" if colour != "white" else "3 3", colour, True)
+        f.line(
+            [(axis, low), (370, low), (370, high), (axis, high)],
+            INK if colour != "white" else GREY,
+            1.2,
+            "" if colour != "white" else "3 3",
+            colour,
+            True,
+        )
         f.text((axis + 130, 0.5 * (high + low) - 5), text)
         f.text((385, 0.5 * (high + low) - 5), meaning, anchor="start", size=12)
     f.arrow((340, 240), (340, 173), RED)
@@ -405,15 +416,34 @@ def target_layers() -> None:
 def shot_outcomes() -> None:
     """Outcomes of `revolve limit`."""
     f = Figure("shot-outcomes", 640, 200, "Outcomes of shots")
+
     def body(x, y, up=False) -> None:
         s = -1 if up else 1
-        f.line([(x - 9, y + 26 * s), (x - 9, y), (x, y - 16 * s), (x + 9, y), (x + 9, y + 26 * s)], BLUE, 1.6, fill=FILL, close=True)
-    cases = [("perforation", 57, "out of the rear face"), ("embedded", 110, "at rest inside"),
-             ("ricochet", 160, "out of the front face"), ("moving", 102, "not at rest at the end"), ("not-met", 160, "has not touched the target")]
+        f.line(
+            [(x - 9, y + 26 * s), (x - 9, y), (x, y - 16 * s), (x + 9, y), (x + 9, y + 26 * s)],
+            BLUE,
+            1.6,
+            fill=FILL,
+            close=True,
+        )
+
+    cases = [
+        ("perforation", 57, "out of the rear face"),
+        ("embedded", 110, "at rest inside"),
+        ("ricochet", 160, "out of the front face"),
+        ("moving", 102, "not at rest at the end"),
+        ("not-met", 160, "has not touched the target"),
+    ]
     for i, (name, y, meaning) in enumerate(cases):
         x = 64 + 128 * i
         beside = 44 if name == "not-met" else 0
-        f.line([(x - 40, 84), (x + 40 - beside, 84), (x + 40 - beside, 130), (x - 40, 130)], INK, 1, fill="#e9e9e9", close=True)
+        f.line(
+            [(x - 40, 84), (x + 40 - beside, 84), (x + 40 - beside, 130), (x - 40, 130)],
+            INK,
+            1,
+            fill="#e9e9e9",
+            close=True,
+        )
         at = x + (28 if beside else 0)
         body(at, y)
         if name in ("perforation", "moving", "not-met"):

@@ -42,7 +42,10 @@ for step in range(reader.GetNumberOfSteps()):
     assert found.keys() >= expected.keys(), (step, expected.keys() - found.keys())
     for name in found.keys() - expected.keys():
         values, count = found[name], len(expected["points"] if name[0] == "point" else expected["types"])
-        assert len(values) == count and (numpy.isnan(values) if values.dtype.kind == "f" else values == 0).all(), (step, name)
+        assert len(values) == count and (numpy.isnan(values) if values.dtype.kind == "f" else values == 0).all(), (
+            step,
+            name,
+        )
     for name, values in expected.items():
         assert found[name].dtype == values.dtype, (step, name)
         assert numpy.array_equal(found[name], values, equal_nan=values.dtype.kind == "f"), (step, name)

@@ -7,10 +7,10 @@ import meshio
 import numpy
 import pyvista
 import vedo
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkCellDataToPointData
 from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
-from vtkmodules.util.numpy_support import vtk_to_numpy
 
 
 def by_vtk(path):
@@ -56,5 +56,10 @@ def by_meshio(path):
 found = {}
 for name, read in (("vtk", by_vtk), ("pyvista", by_pyvista), ("vedo", by_vedo), ("meshio", by_meshio)):
     cells, bounds, area, largest = read(sys.argv[1])
-    found[name] = {"cells": int(cells), "bounds": [float(b) for b in bounds], "area": float(area), "peeq": float(largest)}
+    found[name] = {
+        "cells": int(cells),
+        "bounds": [float(b) for b in bounds],
+        "area": float(area),
+        "peeq": float(largest),
+    }
 print(json.dumps(found))

@@ -117,7 +117,9 @@ class Run:
     def __repr__(self) -> str:
         steps = self.summary["steps"]
         increments = sum(step["increments"] for step in steps)
-        return f"<Run of {self._title!r}: {self.status}, {self.verdict}, {increments} increments in {self.seconds:.3g} s>"
+        return (
+            f"<Run of {self._title!r}: {self.status}, {self.verdict}, {increments} increments in {self.seconds:.3g} s>"
+        )
 
     def _repr_html_(self) -> str:
         facts = [repr(self)[1:-1]] + ([self.reason] if self.reason else []) + self.warnings
