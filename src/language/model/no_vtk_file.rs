@@ -7,11 +7,6 @@ use super::vtk_mesh::VtkMesh;
 const OFF: &str = "this build cannot read mesh files: the feature `mesh-files` is off";
 
 /// Returns an error for every file.
-pub fn read(_path: &Path, _wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, String> {
-    Err(OFF.into())
-}
-
-/// Returns an error for every file.
 pub(super) fn check_length(_path: &Path) -> Result<(), String> {
     Err(OFF.into())
 }

@@ -92,7 +92,7 @@ pub struct Elements {
     /// Masses and energies of deleted elements; `None` unless requested.
     pub removed: Option<Box<DeletionRecord>>,
     /// Nodes whose elements are all deleted; `None` if no element can be deleted.
-    pub(super) free_nodes: Option<Box<FreeNodes>>,
+    pub free_nodes: Option<Box<FreeNodes>>,
     /// Unscaled masses and mass factors; `None` without mass scaling.
     pub(super) masses: Option<Box<ScaledMasses>>,
     /// Instruction set of the loops over nodes.
@@ -344,7 +344,9 @@ impl Elements {
         self.prefetch.stop(prefetch_started);
         self.add_interface_limit(interface);
         self.count_removed();
-        self.count_free_nodes();
+        if let Some(free) = &mut self.free_nodes {
+            free.count(&self.deleted.0);
+        }
         if let Some(rings) = &mut self.rings {
             rings.measure(&self.groups, &dofs.nodes);
         }

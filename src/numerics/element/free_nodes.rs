@@ -1,6 +1,5 @@
 //! Free nodes, whose elements are all deleted, at the axis of symmetry.
 
-use super::elements::Elements;
 use super::group::ElementGroup;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
 use crate::state::archive::Persist;
@@ -9,7 +8,7 @@ use crate::state::nodes::Nodes;
 /// Nodes whose elements are all deleted. Cohesive elements, which have no mass, do not count.
 #[derive(Clone, Debug, Persist)]
 #[persist(fixed: around)]
-pub(super) struct FreeNodes {
+pub struct FreeNodes {
     /// Number of active elements at each node.
     around: Vec<u32>,
     nodes: Vec<u32>,
@@ -34,7 +33,7 @@ impl FreeNodes {
     }
 
     /// Returns the bytes of the list.
-    fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         size_of_val(self) + size_of::<u32>() * (self.around.capacity() + self.nodes.capacity())
     }
 
@@ -44,8 +43,8 @@ impl FreeNodes {
         self.nodes.extend(previous.nodes.iter().filter_map(|n| node(*n)));
     }
 
-    /// Adds the nodes of elements that were deleted since the last call.
-    fn count(&mut self, deleted: &[ElementNodes]) {
+    /// Adds the nodes of elements that were deleted since the last call; `deleted` lists all of them.
+    pub(super) fn count(&mut self, deleted: &[ElementNodes]) {
         for node in
             deleted[self.seen.min(deleted.len())..].iter().flat_map(|nodes| nodes.iter().map(|node| *node as usize))
         {
@@ -56,28 +55,13 @@ impl FreeNodes {
         }
         self.seen = deleted.len();
     }
-}
-
-impl Elements {
-    /// Adds the nodes of the elements deleted in the last pass to the free ones.
-    pub(super) fn count_free_nodes(&mut self) {
-        if let Some(free) = &mut self.free_nodes {
-            free.count(&self.deleted.0);
-        }
-    }
-
-    /// Returns the bytes of the list of free nodes.
-    pub fn bytes_of_free_nodes(&self) -> usize {
-        self.free_nodes.as_ref().map_or(0, |free| free.bytes())
-    }
 
     /// Reflects free nodes that have passed the axis. A ring without elements contracts to the axis, and its points pass
     /// through it to the opposite side: radius and radial velocity keep their magnitudes, and so do energy and momentum.
     /// Equation (12.4).
-    pub fn reflect_free_nodes(&self, nodes: &mut Nodes) {
-        let Some(free) = &self.free_nodes else { return };
+    pub fn reflect(&self, nodes: &mut Nodes) {
         let (nodes, _) = nodes.motion_mut();
-        for &node in &free.nodes {
+        for &node in &self.nodes {
             let node = &mut nodes[node as usize];
             if node.r < 0.0 {
                 (node.r, node.v_r) = (-node.r, -node.v_r);

@@ -23,7 +23,7 @@ mod eroded;
 pub mod erosion;
 mod estimate;
 mod forces;
-mod free_nodes;
+pub mod free_nodes;
 pub mod frequency;
 pub mod group;
 pub mod instructions;

@@ -98,7 +98,8 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         (
             "record of deleted elements",
             "elements and nodes",
-            elements.removed.as_ref().map_or(0, |r| r.bytes()) + elements.bytes_of_free_nodes(),
+            elements.removed.as_ref().map_or(0, |r| r.bytes())
+                + elements.free_nodes.as_ref().map_or(0, |free| free.bytes()),
         ),
     ];
     for (effect, name, bytes) in named {

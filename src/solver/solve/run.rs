@@ -292,7 +292,9 @@ impl<'a> SolverRun<'a> {
         adapt_meshes(state, *now, dt, &mut self.timing);
         self.released.accelerate(&mut state.dofs.nodes, dt);
         advance_nodes(&state.elements, &mut state.dofs, dt);
-        state.elements.reflect_free_nodes(&mut state.dofs.nodes);
+        if let Some(free) = &state.elements.free_nodes {
+            free.reflect(&mut state.dofs.nodes);
+        }
         state.elements.mark_moved();
     }
 

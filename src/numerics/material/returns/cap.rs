@@ -64,8 +64,8 @@ struct CapShape {
 }
 
 impl CapShape {
-    /// Returns the point of the yield surface at a pressure and a yield pressure pb. Equation (20.12). The
-    /// region below the arc of the transition is elastic: the lower half of that circle is no part of the surface.
+    /// Returns the point of the yield surface at a pressure and a yield pressure pb. Equation (20.11). Equation (20.12).
+    /// The region below the arc of the transition is elastic: the lower half of that circle is no part of the surface.
     fn at(&self, pressure: f64, yield_pressure: f64) -> CapPoint {
         let centre = self.centre[0] + self.centre[1] * yield_pressure;
         let height = self.cohesion + centre * self.tangent; // c
