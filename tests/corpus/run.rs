@@ -85,7 +85,8 @@ impl Finished {
             .lines()
             .filter_map(|line| line.strip_prefix(level))
             .filter(|rest| rest.starts_with(['[', ':']));
-        rest.map(|rest| rest.strip_prefix('[').and_then(|code| code.split(']').next()).unwrap_or_default()).collect()
+        // Diagnostics of the deck have the code in brackets, warnings of a run begin with it.
+        rest.map(|rest| rest[1..].trim_start().split([']', ':']).next().unwrap_or_default()).collect()
     }
 
     /// Returns a column of the histories.
