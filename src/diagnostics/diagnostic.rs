@@ -95,8 +95,8 @@ impl Diagnostic {
 }
 
 impl Diagnostic {
-    /// Returns the diagnostic as it is shown: with `--untrusted`, that of a place in an included file has no words of its own,
-    /// for they may be those of the file.
+    /// Returns the diagnostic as it is shown: with `--untrusted`, that of a place in an included file has only a general text,
+    /// because its words may be those of the file.
     pub(crate) fn shown<'a>(&'a self, sources: &Sources) -> Cow<'a, Diagnostic> {
         let is_included = |label: &SourceLabel| sources.file(label.span).is_some_and(|file| file.included_at.is_some());
         if !is_restricted() || !self.labels.iter().any(is_included) {

@@ -51,7 +51,7 @@ macro_rules! codes_with_effects {
         $(#[$doc])*
         pub const CODES: &[$crate::DiagnosticCode] = revolve_numerics::codes! { $($code $title $text)* };
 
-        /// Effects of these codes on the verdict of a run.
+        /// Effects of the codes on the verdict of a run.
         pub const EFFECTS: &[$crate::verdict::VerdictEffect] = &[$($($crate::verdict::VerdictEffect {
             code: $code,
             verdict: $crate::verdict::Verdict::$verdict,

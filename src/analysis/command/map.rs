@@ -14,7 +14,7 @@ use crate::study::map::{ErrorMap, output as lines, picture};
 /// Options of an error map.
 #[derive(Args)]
 pub struct MapOptions {
-    /// Divide the coarsest mesh into regions, refine one region at a time, and report the share of each region in the error
+    /// Divide the coarsest mesh into regions, refine one region after the other, and report the share of each region in the error
     /// of the quantity; without --refine the levels are mesh=1,2,4.
     #[arg(long, conflicts_with_all = ["ablate", "target"])]
     pub map: bool,

@@ -18,6 +18,7 @@ use crate::generate::{
     CaseCavity, CavityFill, DeckLabels, MeridianPoint, MeshMeasure, MeshRequest, NoseShape, PartVolume,
     ProjectileMesh as Meshed, QuadQuality,
 };
+use crate::output::drawing::Drawing;
 use crate::output::{self, csv};
 
 /// Generate a CAX4R mesh of a projectile, block, plate, disc, ring or tube as a file for *INCLUDE, or refine the mesh of a
@@ -195,16 +196,10 @@ impl MeshArguments {
         };
         let mut comments = vec![request_title(wanted)];
         comments.extend(lines.iter().cloned());
-        let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
-        let picture = format.map(|format| format.bytes(&mesh.drawing(&comments[0]))).transpose()?;
-        write(&self.out, mesh.deck(&labels, &comments).as_bytes())?;
-        if let (Some(path), Some(bytes)) = (&self.picture, picture) {
-            write(path, &bytes)?;
-        }
+        let files = MeshFiles { deck: &self.out, picture: self.picture.as_deref() };
+        files.write(&mesh.deck(&labels, &comments), || mesh.drawing(&comments[0]))?;
         if !self.quiet.quiet {
-            lines.iter().for_each(|line| print_out!("{line}"));
-            let picture = self.picture.as_ref().map_or(String::new(), |path| format!(" and {}", path.display()));
-            print_out!("wrote {}{picture}", self.out.display());
+            files.print(&lines);
         }
         Ok(())
     }
@@ -300,6 +295,37 @@ fn request_title(wanted: &MeshRequest) -> String {
         _ => format!(", grading {along} along and {across} across"),
     };
     format!("{shape}, size {size}{hollow}{graded}")
+}
+
+/// Files of a generated mesh.
+pub struct MeshFiles<'a> {
+    /// File for `*INCLUDE`.
+    pub deck: &'a Path,
+    /// Picture of the mesh.
+    pub picture: Option<&'a Path>,
+}
+
+impl MeshFiles<'_> {
+    /// Writes the text of the deck, and the drawing if a picture is wanted.
+    ///
+    /// # Errors
+    /// If the format of the picture is unknown, or a file cannot be written.
+    pub fn write(&self, deck: &str, drawing: impl FnOnce() -> Drawing) -> Result<(), Box<dyn Error>> {
+        let format = self.picture.map(PictureFormat::of).transpose()?;
+        let picture = format.map(|format| format.bytes(&drawing())).transpose()?;
+        write(self.deck, deck.as_bytes())?;
+        if let (Some(path), Some(bytes)) = (self.picture, picture) {
+            write(path, &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Prints lines on the mesh and the names of the files.
+    pub fn print(&self, lines: &[String]) {
+        lines.iter().for_each(|line| print_out!("{line}"));
+        let picture = self.picture.map_or(String::new(), |path| format!(" and {}", path.display()));
+        print_out!("wrote {}{picture}", self.deck.display());
+    }
 }
 
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {

@@ -6,10 +6,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::mesh::{MassArguments, quality_lines, volume_line, write};
+use super::CommandStatus;
+use super::mesh::{MassArguments, MeshFiles, quality_lines, volume_line};
 use super::options::QuietOption;
-use super::words::print_out;
-use super::{CommandStatus, PictureFormat};
 use crate::deck::Diagnostic;
 use crate::generate::{BodyLabels, RectangleMesh, RectangleRequest};
 
@@ -141,17 +140,11 @@ impl RectangleArguments {
         let labels = BodyLabels { first: self.first.get(), name, material: self.material.clone() };
         let mut comments = vec![title];
         comments.extend(lines.iter().cloned());
-        let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
-        let picture = format.map(|format| format.bytes(&mesh.drawing(&comments[0]))).transpose()?;
         let out = self.out.clone().unwrap_or_else(|| format!("{shape}.inp").into());
-        write(&out, mesh.deck(&labels, &comments).as_bytes())?;
-        if let (Some(path), Some(bytes)) = (&self.picture, picture) {
-            write(path, &bytes)?;
-        }
+        let files = MeshFiles { deck: &out, picture: self.picture.as_deref() };
+        files.write(&mesh.deck(&labels, &comments), || mesh.drawing(&comments[0]))?;
         if !self.quiet.quiet {
-            lines.iter().for_each(|line| print_out!("{line}"));
-            let picture = self.picture.as_ref().map_or(String::new(), |path| format!(" and {}", path.display()));
-            print_out!("wrote {}{picture}", out.display());
+            files.print(&lines);
         }
         Ok(super::output_status())
     }

@@ -20,7 +20,7 @@ pub struct RefineArguments {
     /// Number of parts of each edge; 1 lists the mesh as it is, and 1/2 or 1/3 merges elements.
     #[arg(short = 'k', value_name = "PARTS", required_unless_present = "regions")]
     parts: Option<String>,
-    /// Divide only the edges of these element sets, or regions of --map, into two parts; neighbouring elements are replaced
+    /// Divide only the edges of the named element sets, or regions of --map, into two parts; neighbouring elements are replaced
     /// by conforming transitions.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with = "parts")]
     regions: Vec<String>,

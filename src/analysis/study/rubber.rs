@@ -1,4 +1,4 @@
-//! Fitted constants of rubber beside the test data: charts and table of nominal stress over nominal strain.
+//! Fitted constants of rubber and the test data: charts and table of nominal stress over nominal strain.
 
 use super::chart::{Chart, ChartSeries, SeriesForm};
 use super::table::{TextTable, digits};

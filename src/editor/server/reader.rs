@@ -11,7 +11,7 @@ const MOST_BYTES: u64 = 1 << 28;
 /// Largest number of bytes of a header line.
 const LONGEST_LINE: u64 = 4096;
 
-/// What has been read.
+/// Result of reading from the stream.
 pub enum Incoming {
     /// A message.
     Message(Message),

@@ -216,7 +216,7 @@ fn term_stress(test: RubberTest, stretch: f64, (i, j): (usize, usize)) -> f64 {
 
 impl HyperelasticLaw {
     /// Returns the nominal stress of a test of the incompressible material at a stretch, or the pressure at a volume ratio
-    /// (0 if the material has no compressibility of its own).
+    /// (0 if the material defines no compressibility).
     pub fn test_stress(&self, test: RubberTest, stretch: f64) -> f64 {
         if test == RubberTest::Volumetric {
             let inverse = self.compressibility.iter().map(|d| if *d == 0.0 { 0.0 } else { 1.0 / d });

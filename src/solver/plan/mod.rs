@@ -38,6 +38,7 @@ pub use compiled::{GeneralLedgerRows, MeshCards, Plan, StepPlan};
 pub(crate) use constraints::link_set::Links;
 pub use meshes::automatic::{AutomaticMeshes, FirstMesh};
 pub use meshes::labels::FrameLabels;
+pub use meshes::pieces::pieces;
 pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
 pub(crate) use output::Columns;

@@ -2,6 +2,7 @@
 
 use crate::kernel::lists::sorted_unique;
 use crate::model::{Mesh, Model};
+use crate::plan::pieces;
 
 /// Smallest number of elements of a patch, except for bodies with fewer.
 const LEAST_ELEMENTS: usize = 4;
@@ -13,7 +14,8 @@ const SEARCH: f64 = 0.3;
 /// median along the longer direction. Rigid bodies and bodies of six-node triangles are one patch each.
 pub fn patches(model: &Model, count: usize) -> Vec<Vec<usize>> {
     let mesh = &model.mesh;
-    let bodies = bodies(model);
+    let with_edges: Vec<usize> = (0..mesh.elements.len()).filter(|&e| !mesh.elements[e].kind.is_discrete()).collect();
+    let bodies = pieces(mesh, &with_edges);
     let is_whole = |body: &[usize]| {
         let is_rigid = |e: &usize| model.rigid_bodies.iter().any(|rigid| rigid.elements.contains(e));
         is_rigid(&body[0]) || mesh.elements[body[0]].nodes.len() == 6
@@ -33,33 +35,6 @@ pub fn patches(model: &Model, count: usize) -> Vec<Vec<usize>> {
     }
     patches.extend(whole);
     patches.into_iter().map(sorted_unique).collect()
-}
-
-/// Returns the connected sets of elements that have edges, in the order of the mesh.
-fn bodies(model: &Model) -> Vec<Vec<usize>> {
-    let mesh = &model.mesh;
-    let mut parents: Vec<usize> = (0..mesh.points.len()).collect();
-    fn root(parents: &mut [usize], mut node: usize) -> usize {
-        while parents[node] != node {
-            parents[node] = parents[parents[node]];
-            node = parents[node];
-        }
-        node
-    }
-    let elements = || mesh.elements.iter().enumerate().filter(|(_, element)| !element.kind.is_discrete());
-    for (_, element) in elements() {
-        let first = root(&mut parents, element.nodes[0]);
-        for &node in element.nodes.iter().skip(1) {
-            let other = root(&mut parents, node);
-            parents[other] = first;
-        }
-    }
-    let mut bodies: indexmap::IndexMap<usize, Vec<usize>> = indexmap::IndexMap::new();
-    for (at, element) in elements() {
-        let body = root(&mut parents, element.nodes[0]);
-        bodies.entry(body).or_default().push(at);
-    }
-    bodies.into_values().collect()
 }
 
 /// Divides elements into `parts` patches.

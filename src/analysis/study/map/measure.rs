@@ -318,7 +318,7 @@ impl IncrementCorrection {
 /// Change of the quantity by the refinement of a region, or why it is not known.
 type RegionChange = Result<f64, StudyError>;
 
-/// Changes of the quantity by the refinement of a region after those before it, and after those behind it in the list.
+/// Changes of the quantity by the refinement of a region after those before it in the list, and after those that follow.
 struct RegionChanges {
     forward: RegionChange,
     backward: Option<RegionChange>,

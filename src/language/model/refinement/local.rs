@@ -57,7 +57,7 @@ impl Division {
         }
     }
 
-    /// Divides all edges of elements, and of all six-node triangles that are connected with one of them.
+    /// Divides all edges of elements, and of all six-node triangles that are connected with a divided one.
     fn refine(&mut self, elements: &[Element], mut requested: Vec<usize>) {
         while let Some(element) = requested.pop() {
             if std::mem::replace(&mut self.is_refined[element], true) {

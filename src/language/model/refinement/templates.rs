@@ -35,7 +35,7 @@ pub fn is_convex(mesh: &Mesh, nodes: &[usize]) -> bool {
     })
 }
 
-/// Returns the second one of two adjacent divided sides, and of them only; its first node is between both.
+/// Returns the second one of two adjacent divided sides if no other side is divided; its first node is between both.
 fn corner_between(divided: u8, count: usize) -> Option<usize> {
     (0..count).find(|&side| divided == 1 << side | 1 << ((side + count - 1) % count))
 }
