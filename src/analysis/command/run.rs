@@ -1,7 +1,7 @@
 //! The command `revolve run`: a run with result files, checkpoints and restart.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
@@ -139,7 +139,7 @@ impl RunCommand {
         let (routines, user) = self.options.user.routines(self.is_silent(), self.isolate)?;
         let inputs = self.uncertainty.inputs()?;
         let settings = self.options.settings()?;
-        let (mut prepared, traits) = self.prepared(&settings, &[], &routines)?;
+        let (mut prepared, traits) = self.prepared(&self.deck, &settings, &[], &routines)?;
         let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;
         quantity::check_all(&quantities, &prepared.plan)?;
@@ -147,18 +147,21 @@ impl RunCommand {
         let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
         let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };
         let chosen = self.uncertainty.chosen(&estimated, self.is_silent())?;
+        let job = job::default_job(&self.deck, self.folder.out.clone())?;
+        let provenance = self.provenance(&prepared);
         if let Some(chosen) = &chosen {
-            prepared = self.prepared(&chosen.overrides(&settings), &chosen.edits()?, &routines)?.0;
+            let listed = job.path("_local.inp");
+            if let Some(local) = &chosen.local {
+                super::mesh::write(&listed, local.text.as_bytes())?;
+            }
+            let deck = if chosen.local.is_some() { &listed } else { &self.deck };
+            prepared = self.prepared(deck, &chosen.overrides(&settings), &chosen.edits()?, &routines)?.0;
         }
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
         }
-        let job = job::default_job(&self.deck, self.folder.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
         self.note_missing_grace_period(&prepared);
-        let words = self.words.clone().unwrap_or_else(words::words_of_command);
-        let commit = Some(COMMIT.to_owned()).filter(|commit| !commit.is_empty());
-        let provenance = Provenance { commit, ..Provenance::of(&prepared, words, &self.options.user.files) };
         prepared.release_texts();
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));
@@ -227,20 +230,28 @@ impl RunCommand {
         })
     }
 
-    /// Reads and plans the deck, and returns the properties of its model.
+    /// Returns the origin of the results: the deck as given, even if a refined one is run.
+    fn provenance(&self, prepared: &PreparedJob) -> Provenance {
+        let words = self.words.clone().unwrap_or_else(words::words_of_command);
+        let commit = Some(COMMIT.to_owned()).filter(|commit| !commit.is_empty());
+        Provenance { commit, ..Provenance::of(prepared, words, &self.options.user.files) }
+    }
+
+    /// Reads and plans a deck, and returns the properties of its model.
     fn prepared(
         &self,
+        deck: &Path,
         settings: &ParameterOverrides,
         edits: &[ModelEdit],
         routines: &Routines,
     ) -> Result<(PreparedJob, ModelTraits), Box<dyn Error>> {
-        let reading = progress::over_reading(&self.deck, self.is_silent());
+        let reading = progress::over_reading(deck, self.is_silent());
         let (mut traits, mut fault) = (ModelTraits::default(), Ok(()));
         let mut edit = |model: &mut Model| {
             fault = edits.iter().try_for_each(|edit| edit(model));
             traits = ModelTraits::of(model);
         };
-        let prepared = job::prepare_edited(deck::read(&self.deck, settings), &mut edit, routines);
+        let prepared = job::prepare_edited(deck::read(deck, settings), &mut edit, routines);
         reading.finish_and_clear();
         accept(&prepared.diagnostics, &prepared.deck.sources, self.is_silent())?;
         fault?;

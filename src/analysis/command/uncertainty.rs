@@ -9,6 +9,7 @@ use crate::job::{ParameterOverrides, PreparedJob, RunSummary};
 use crate::output::{self, JobFiles};
 use crate::study::chosen::{self, ChosenSetting, TargetRequest};
 use crate::study::inputs::RandomInputs;
+use crate::study::local;
 use crate::study::map::regions::MapFile;
 use crate::study::quantity::Quantity;
 use crate::study::record::CERTIFICATE;
@@ -59,6 +60,10 @@ pub struct UncertaintyOptions {
     /// (relative) or 1e-6 (absolute), and write `<job>_certificate.json`.
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["uncertainty", "mesh_refine", "resume", "resume_anyway"])]
     target: Option<String>,
+    /// With --target: refine only the regions of the mesh that cause the error, found by an error map; write the refined deck as
+    /// `<job>_local.inp` and run it.
+    #[arg(long, requires = "target")]
+    local: bool,
     /// Largest cost of --uncertainty relative to the run (default: 40%), or largest time of --target (default: 10m).
     #[arg(long, value_name = "PERCENT|TIME", value_parser = budget)]
     budget: Option<CostBudget>,
@@ -129,7 +134,7 @@ impl UncertaintyOptions {
                 }
             },
         };
-        let chosen = chosen::choose(&request)?;
+        let chosen = if self.local { local::choose(&request)? } else { chosen::choose(&request)? };
         if !quiet {
             chosen.conclusions.iter().for_each(|line| print_out!("{line}"));
         }

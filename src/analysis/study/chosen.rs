@@ -10,7 +10,7 @@ use super::causes::limits_of_order;
 use super::convergence::{self, RefinementRequest};
 use super::jitter::NoiseRequest;
 use super::quantity::Quantity;
-use super::record;
+use super::record::{self, CompletedStudy};
 use super::refinement::RefinementStudy;
 use super::runner::{DeckReader, RunSource, StudyRun, StudyRunner};
 use super::settings::{self, ModelEdit, StudyAxis, StudyParameter, deforms};
@@ -48,8 +48,11 @@ pub struct ChosenSetting {
     pub target: ErrorTarget,
     /// Whether the setting meets the target.
     pub reached: bool,
-    /// Number of parts of each edge of the mesh, or its inverse.
+    /// Number of parts of each edge of the mesh, or its inverse; with `local`, those of the coarsest level.
     pub mesh: String,
+    /// Mesh that is refined in some regions, with `--local`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub local: Option<LocalMesh>,
     /// Factor on the time increment.
     pub increment: f64,
     /// Element-cycles of all runs before the chosen one.
@@ -64,44 +67,126 @@ pub struct ChosenSetting {
     pub conclusions: Vec<String>,
 }
 
+/// A region of an error map and its bisections.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BisectedRegion {
+    /// Name of the region.
+    pub name: String,
+    /// Expected change of the quantity if the region is refined without limit.
+    pub share: f64,
+    /// Number of bisections of its edges.
+    pub bisections: u32,
+}
+
+/// A mesh that is refined in some regions, part of `<job>_certificate.json`. The keys are stable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LocalMesh {
+    /// Regions of the coarsest level.
+    pub regions: Vec<BisectedRegion>,
+    /// Value that the shares predict.
+    pub predicted: f64,
+    /// Number of elements and facets.
+    pub elements: usize,
+    /// Element-cycles of a run.
+    pub element_cycles: f64,
+    /// Element-cycles of a run on a uniform mesh with the same error bound, by the order of the study.
+    pub uniform_element_cycles: Option<f64>,
+    /// Text of the deck.
+    #[serde(skip)]
+    pub text: String,
+}
+
+impl<'a> TargetRequest<'a> {
+    /// Returns a runner of single runs, whose time ends with the budget.
+    pub fn runner(&self, ignore_progress: &'a dyn Fn(), begin: Stopwatch) -> StudyRunner<'a> {
+        let RunSource { deck, user, .. } = self.source;
+        let mut bench = StudyRunner::new(deck, self.overrides, user, self.quantity, 1, ignore_progress);
+        bench.limited_to(self.budget.saturating_sub(begin.elapsed()), self.announce);
+        bench
+    }
+
+    /// Studies the levels of the mesh, and further ones until a target is reached.
+    pub fn study(
+        &self,
+        bench: &mut StudyRunner<'_>,
+        axes: &[StudyAxis],
+        target: Option<ErrorTarget>,
+    ) -> Result<CompletedStudy, StudyError> {
+        let model = model::build(&(self.source.deck)(self.overrides).0).0;
+        let study_request = RefinementRequest {
+            axes,
+            exact: None,
+            target,
+            noise: NoiseRequest::new(None, &model),
+            causes: limits_of_order(&model),
+            announce: self.announce,
+            around: false,
+        };
+        convergence::refine(bench, &study_request)
+    }
+
+    /// Returns the setting with a mesh: with half the increment if the error of the increment is large.
+    pub fn setting(
+        &self,
+        bench: &mut StudyRunner<'_>,
+        axes: &[StudyAxis],
+        completed: &CompletedStudy,
+        mesh: ChosenMesh,
+    ) -> Result<ChosenSetting, StudyError> {
+        let study = &completed.study;
+        let model = model::build(&(self.source.deck)(self.overrides).0).0;
+        let increment = if deforms(&model) { increment_change(bench, axes, study)? } else { None };
+        let quantity = quantity(self, study, &mesh, increment);
+        let allowed = self.target.bound(study).unwrap_or(0.0);
+        let too_long = quantity.increment.is_some_and(|error| error > INCREMENT_SHARE * allowed);
+        Ok(ChosenSetting {
+            target: self.target,
+            reached: mesh.reached,
+            mesh: mesh.name,
+            local: None,
+            increment: if too_long { 0.5 } else { 1.0 },
+            element_cycles: study.rows.iter().flat_map(|r| &r.run).map(|run| run.element_cycles()).sum(),
+            study: serde_json::json!(record::record(&self.quantity.text, None, completed)),
+            quantity,
+            conclusions: record::conclusions(completed, &self.quantity.text),
+        })
+    }
+}
+
+/// A mesh that was run.
+pub struct ChosenMesh {
+    /// Number of parts of each edge, or a description.
+    pub name: String,
+    /// Whether its error is below the target.
+    pub reached: bool,
+    /// Value of the quantity.
+    pub value: Option<f64>,
+    /// Bound of its error.
+    pub bound: Option<f64>,
+    /// Number of increments.
+    pub increments: u64,
+}
+
 /// Refines the mesh, coarser levels first, until the error is below the target or the budget is exhausted, and chooses
 /// the setting.
 pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> {
     let begin = Stopwatch::now();
-    let model = model::build(&(request.source.deck)(request.overrides).0).0;
     let axes = mesh_axes(request.source.deck, request.overrides)?;
     let ignore_progress = || {};
-    let RunSource { deck, user, .. } = request.source;
-    let mut bench = StudyRunner::new(deck, request.overrides, user, request.quantity, 1, &ignore_progress);
-    bench.limited_to(request.budget.saturating_sub(begin.elapsed()), request.announce);
-    let study_request = RefinementRequest {
-        axes: &axes,
-        exact: None,
-        target: Some(request.target),
-        noise: NoiseRequest::new(None, &model),
-        causes: limits_of_order(&model),
-        announce: request.announce,
-        around: false,
-    };
-    let completed = convergence::refine(&mut bench, &study_request)?;
+    let mut bench = request.runner(&ignore_progress, begin);
+    let completed = request.study(&mut bench, &axes, Some(request.target))?;
     let study = &completed.study;
     let named = completed.target.as_ref().and_then(|target| target.run);
     let row = named.or_else(|| (0..study.rows.len()).rev().find(|&row| study.rows[row].run.is_ok()));
-    let row = row.ok_or_else(|| first_error(study))?;
-    let increment = if deforms(&model) { increment_change(&mut bench, &axes, study)? } else { None };
-    let allowed = request.target.bound(study).unwrap_or(0.0);
-    let quantity = quantity(request, study, row, increment);
-    let too_long = quantity.increment.is_some_and(|error| error > INCREMENT_SHARE * allowed);
-    Ok(ChosenSetting {
-        target: request.target,
+    let row = &study.rows[row.ok_or_else(|| first_error(study))?];
+    let mesh = ChosenMesh {
+        name: row.values[0].clone(),
         reached: named.is_some(),
-        mesh: study.rows[row].values[0].clone(),
-        increment: if too_long { 0.5 } else { 1.0 },
-        element_cycles: study.rows.iter().flat_map(|r| &r.run).map(|run| run.element_cycles()).sum(),
-        study: serde_json::json!(record::record(&request.quantity.text, None, &completed)),
-        quantity,
-        conclusions: record::conclusions(&completed, &request.quantity.text),
-    })
+        value: row.value,
+        bound: row.bound,
+        increments: row.run.as_ref().map_or(1, |run| run.increments),
+    };
+    request.setting(&mut bench, &axes, &completed, mesh)
 }
 
 impl ChosenSetting {
@@ -114,10 +199,14 @@ impl ChosenSetting {
         Ok(edit.map_err(StudyError::Setting)?.into_iter().collect())
     }
 
-    /// Returns the overrides of the deck with the chosen mesh.
+    /// Returns the overrides of the deck with the chosen mesh, or of the deck that lists the local mesh.
     pub fn overrides(&self, given: &[(String, String)]) -> Vec<(String, String)> {
         let mut overrides = given.to_vec();
-        overrides.push((MESH_SETTINGS[1].to_owned(), self.mesh.clone()));
+        if self.local.is_some() {
+            overrides.retain(|(name, _)| !MESH_SETTINGS.contains(&name.as_str()));
+        } else {
+            overrides.push((MESH_SETTINGS[1].to_owned(), self.mesh.clone()));
+        }
         overrides
     }
 }
@@ -161,27 +250,27 @@ fn increment_change(
     Ok(runs.first().and_then(|run| number(run)).zip(base.value).map(|(half, whole)| (half - whole).abs()))
 }
 
-/// Returns the quantity of a row with its uncertainties. `increment` is the change with half the increment on the
+/// Returns the quantity of a mesh with its uncertainties. `increment` is the change with half the increment on the
 /// coarsest level; its error is of order 1.
 fn quantity(
     request: &TargetRequest<'_>,
     study: &RefinementStudy,
-    row: usize,
+    mesh: &ChosenMesh,
     increment: Option<f64>,
 ) -> QuantityUncertainty {
     let series = &study.series[0];
     let finest = series.sizes.last().copied().unwrap_or(1.0);
     let level = |(row, size): (&usize, &f64)| Some(MeshLevel { size: size / finest, value: study.rows[*row].value? });
-    let increments = |row: usize| study.rows[row].run.as_ref().map_or(1.0, |run| run.increments.max(1) as f64);
+    let coarsest = study.rows[0].run.as_ref().map_or(1.0, |run| run.increments.max(1) as f64);
     let estimate = series.estimate;
     let parts = QuantityUncertainty {
         quantity: request.quantity.text.clone(),
-        value: study.rows[row].value.unwrap_or(f64::NAN),
+        value: mesh.value.unwrap_or(f64::NAN),
         levels: series.rows.iter().zip(&series.sizes).filter_map(level).collect(),
         order: estimate.and_then(|e| e.order),
         behaviour: estimate.map(|e| e.behaviour),
-        mesh: study.rows[row].bound,
-        increment: increment.map(|change| 2.0 * change * increments(0) / increments(row)),
+        mesh: mesh.bound,
+        increment: increment.map(|change| 2.0 * change * coarsest / mesh.increments.max(1) as f64),
         noise: study.noise.as_ref().map(|noise| noise.uncertainty),
         input: None,
         inputs: Vec::new(),

@@ -29,6 +29,7 @@ pub mod jitter;
 pub(crate) mod law;
 #[cfg(feature = "cli")]
 pub mod limit;
+pub mod local;
 pub mod log;
 #[cfg(feature = "cli")]
 pub mod map;

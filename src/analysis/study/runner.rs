@@ -196,15 +196,14 @@ impl<'a> StudyRunner<'a> {
 
     /// Returns whether a level with estimated element-cycles fits into the time limit, from the run time of the last
     /// one, and shows its expected time.
-    pub fn affords(&self, last: Option<&StudyRun>, values: &[String], cycles: Option<f64>) -> bool {
+    pub fn affords(&self, last: Option<&StudyRun>, name: &str, cycles: Option<f64>) -> bool {
         let Some((limit, (last, cycles))) = self.limit.as_ref().zip(last.zip(cycles)) else { return true };
         let seconds = last.seconds.median * cycles / last.element_cycles().max(1.0);
         let remaining = limit.budget.saturating_sub(limit.begin.elapsed()).as_secs_f64();
         let affordable = RESERVE * seconds * self.repeat as f64 <= remaining;
         let verdict = if affordable { "" } else { ", outside the budget" };
         (limit.announce)(&format!(
-            "level {}: about {} expected, {} of the budget left{verdict}",
-            values.join(", "),
+            "{name}: about {} expected, {} of the budget left{verdict}",
             duration(seconds),
             duration(remaining)
         ));

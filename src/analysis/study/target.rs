@@ -177,7 +177,7 @@ fn refine_family(
         }
         let values = ladder.values(level, 1.0);
         let last = study.rows.last().and_then(|row| row.run.as_ref().ok());
-        if !bench.affords(last, &values, cycles) {
+        if !bench.affords(last, &format!("level {}", values.join(", ")), cycles) {
             break;
         }
         let run = bench.at(ladder.axes, &values, None);

@@ -229,8 +229,9 @@ pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: 
     let value = plain.values.first().copied().flatten().unwrap_or(chosen.quantity.value);
     let quantity = QuantityUncertainty { value, ..chosen.quantity.clone() };
     let goal = tolerance_in_words(chosen.target.value, chosen.target.relative);
+    let where_refined = if chosen.local.is_some() { ", bisected in some regions" } else { "" };
     let line = format!(
-        "target {goal}: {}reached with mesh = {}, increment = {}",
+        "target {goal}: {}reached with mesh = {}{where_refined}, increment = {}",
         if chosen.reached { "" } else { "not " },
         chosen.mesh,
         chosen.increment

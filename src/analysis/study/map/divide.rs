@@ -5,7 +5,7 @@ use crate::model::{Mesh, Model};
 use crate::plan::pieces;
 
 /// Smallest number of elements of a patch, except for bodies with fewer.
-const LEAST_ELEMENTS: usize = 4;
+pub const LEAST_ELEMENTS: usize = 4;
 /// Distance of a cut from the median at which the widest gap between rows of elements is searched, relative to the smaller
 /// part.
 const SEARCH: f64 = 0.3;

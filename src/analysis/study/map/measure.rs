@@ -1,64 +1,26 @@
 //! Companion runs of an error map, and the shares that follow from them.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
-use super::divide::patches;
+use super::base::{ElementMarks, MapBase};
+use super::divide::{LEAST_ELEMENTS, patches};
 use super::regions::MeshRegion;
 use super::{ErrorMap, FactorSource, RegionShare, bounds};
-use crate::deck::{self, Deck, Diagnostics, MESH_SETTINGS, MeshScaling};
-use crate::job::ParameterOverrides;
 use crate::model::{self, Mesh, Model};
 use crate::study::StudyError;
 use crate::study::price::setting;
-use crate::study::quantity::Quantity;
 use crate::study::refinement::RefinementStudy;
 use crate::study::richardson::{CREDIBLE, FORMAL_ORDER};
-use crate::study::runner::{DeckReader, RunSource, StudyRun, StudyRunner};
-use crate::study::settings::{ModelEdit, StudyAxis, StudyParameter, deforms, edit};
+use crate::study::runner::{StudyRun, StudyRunner};
+use crate::study::settings::{StudyAxis, StudyParameter, deforms, edit};
 
 /// Smallest, default and largest number of regions.
 pub const REGIONS: [usize; 3] = [8, 12, 32];
+/// Smallest number of elements of a mesh that is divided into enough regions.
+pub const LEAST_MESH: usize = REGIONS[0] * LEAST_ELEMENTS;
 /// Largest cost of the companion runs relative to the uniform study, by which the number of regions and the runs that refine
 /// all other regions are chosen.
 const LARGEST_COST: f64 = 2.0;
-
-/// Elements that are refined in a run.
-type ElementMarks = Arc<[bool]>;
-
-/// Coarsest level of a study: its deck, and the edits of its model.
-struct MapBase<'a> {
-    source: RunSource<'a>,
-    quantity: &'a Quantity,
-    overrides: Vec<(String, String)>,
-    edits: Vec<ModelEdit>,
-    /// Text of the deck if its mesh is refined or coarsened from another one.
-    text: Option<String>,
-}
-
-impl MapBase<'_> {
-    fn read(&self, overrides: &ParameterOverrides) -> (Deck, Diagnostics) {
-        match &self.text {
-            Some(text) => deck::read_text("base.inp", text, overrides),
-            None => (self.source.deck)(overrides),
-        }
-    }
-
-    /// Runs the deck with some elements refined and with further edits.
-    fn run(&self, marks: Option<&ElementMarks>, more: &[ModelEdit]) -> Result<StudyRun, StudyError> {
-        let reader = |overrides: &ParameterOverrides| {
-            let (mut deck, diagnostics) = self.read(overrides);
-            if let Some(marks) = marks {
-                deck.refine_elements(Arc::clone(marks));
-            }
-            (deck, diagnostics)
-        };
-        let reader: &DeckReader<'_> = &reader;
-        let source = RunSource { deck: reader, ..self.source };
-        source.run(&self.overrides, &[&self.edits, more], std::slice::from_ref(self.quantity)).swap_remove(0)
-    }
-}
 
 /// An error map and the mesh that is divided into regions.
 pub struct ErrorMapRun {
@@ -66,6 +28,8 @@ pub struct ErrorMapRun {
     pub map: ErrorMap,
     /// Undeformed mesh of the coarsest level.
     pub mesh: Mesh,
+    /// Indices of the elements of each region in this mesh.
+    pub patches: Vec<Vec<usize>>,
 }
 
 /// Measures the share of each region of the coarsest mesh of a study in the error of its quantity. `count` is the number
@@ -88,8 +52,8 @@ pub fn measure(
     let run = study.rows[row].run.as_ref().map_err(StudyError::clone)?;
     let value = run.found.number().ok_or_else(|| wrong("the quantity must be a number"))?;
     let reference = study.reference.ok_or_else(|| wrong("the study has no estimate of the limit"))?;
-    let base = base_of(bench, axes, &study.rows[row].values)?;
-    let model = model::build(&base.read(&base.overrides).0).0;
+    let base = MapBase::of(bench, axes, &study.rows[row].values)?;
+    let model = model::build(&base.read().0).0;
     let study_cycles: f64 = study.rows.iter().flat_map(|row| &row.run).map(StudyRun::element_cycles).sum();
     let all_elements = vec![true; model.mesh.elements.len()];
     let all = &base.run(Some(&all_elements.into()), &[])?;
@@ -98,7 +62,7 @@ pub fn measure(
     let has_both_orders = plan.fits(patches.len());
     let runs = CompanionRuns::of(&base, &model, &patches, has_both_orders);
     let uniform = all.found.number().ok_or_else(|| wrong("the quantity must be a number"))?;
-    if base.text.is_some() && !is_repeated(study, uniform - value) {
+    if base.is_listed() && !is_repeated(study, uniform - value) {
         return Err(wrong(
             "the listed mesh of the first level, refined again, differs from the second level: begin with mesh=1, or with \
              two levels of the ratio 2; values that the deck lists node by node are interpolated once only",
@@ -142,25 +106,7 @@ pub fn measure(
         cost: element_cycles / study_cycles,
         version: env!("CARGO_PKG_VERSION"),
     };
-    Ok(ErrorMapRun { map, mesh: Mesh::clone(&model.mesh) })
-}
-
-/// Returns the coarsest level. A mesh that is refined or coarsened is listed, and its text is read again.
-fn base_of<'a>(bench: &StudyRunner<'a>, axes: &[StudyAxis], values: &[String]) -> Result<MapBase<'a>, StudyError> {
-    let (overrides, edits) = bench.setting(axes, values)?;
-    let (source, quantity) = (bench.source(), bench.measure());
-    let (deck, _) = (source.deck)(&overrides);
-    if deck.mesh_scaling.is_none_or(|scaling| scaling == MeshScaling::Refine(1)) {
-        return Ok(MapBase { source, quantity, overrides, edits, text: None });
-    }
-    let (text, diagnostics) = model::relisting::write(&deck);
-    if diagnostics.has_errors() {
-        return Err(StudyError::Setting(format!("--map: {}", diagnostics.render(&deck.sources))));
-    }
-    let is_mesh = |axis: &StudyAxis| axis.parameter == StudyParameter::Mesh;
-    let is_scaling = |name: &str| MESH_SETTINGS.contains(&name) && (axes.iter().any(is_mesh) || name != "mesh");
-    let overrides = overrides.into_iter().filter(|(name, _)| !is_scaling(name)).collect();
-    Ok(MapBase { source, quantity, overrides, edits, text: Some(text) })
+    Ok(ErrorMapRun { map, mesh: Mesh::clone(&model.mesh), patches })
 }
 
 /// Number of runs within the largest cost.

@@ -4,8 +4,11 @@
 //! order of the regions and in the reverse order. The changes of all regions add up to that of the uniform refinement. The
 //! mean over both orders contains half of each interaction between two regions: without interactions of more regions it is
 //! the mean over all orders (L. S. Shapley, in: Contributions to the Theory of Games II, Princeton 1953, 307). The factor of
-//! Richardson extrapolation makes the change with half the element size the distance from the limit. Equations (15.10), (15.11).
+//! Richardson extrapolation makes the change with half the element size the distance from the limit. Equations (15.10), (15.11). Bisections
+//! of the regions for an error target: equation (15.12).
 
+pub(super) mod base;
+pub(super) mod bisection;
 mod divide;
 pub mod measure;
 pub mod output;
