@@ -15,6 +15,7 @@ pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
 pub mod law;
+pub mod path;
 pub mod porous_metal;
 pub mod porous_return;
 pub mod root;
