@@ -7,7 +7,9 @@
 
 use revolve_host as user;
 use revolve_language::{deck, generate, model};
-use revolve_numerics::{constraint, element, kernel, load, platform, probability, resistance, state, variables};
+use revolve_numerics::{
+    constraint, element, kernel, load, material, platform, probability, resistance, state, variables,
+};
 use revolve_results as output;
 #[cfg(feature = "cli")]
 use revolve_solver::overview;

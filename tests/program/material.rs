@@ -131,6 +131,41 @@ fn length_of_concrete_is_that_of_the_option() {
     }
 }
 
+/// A law of strength over pressure has a yield surface and paths: pictures, a table and JSON with the same points. The peak of
+/// triaxial compression at the pressure p is (p tan(beta) + d)/(1 - tan(beta)/3).
+#[test]
+fn strength_over_pressure_has_surface_and_paths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let soil = "*Density\n 2000.,\n*Elastic\n 10e9, 0.25\n*Drucker Prager\n 40., 1., 10.\n*Drucker Prager Hardening\n 20e6, 0.\n";
+    let path = folder.path().join("soil.inp");
+    fs::write(&path, deck(&[("SOIL", soil)])).expect("a deck");
+    let (path, out) = (path.to_string_lossy().into_owned(), folder.path().to_string_lossy().into_owned());
+    let arguments =
+        ["material", &path, "--out", &out, "--rates", "1", "--strain", "0.02", "--confinements", "0,10e6,40e6"];
+    let output = revolve(&[&arguments[..], &["--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let record: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let paths = record["strengths"][0]["paths"].as_array().expect("paths");
+    let tangent = 40.0_f64.to_radians().tan();
+    for (path, cell) in paths.iter().zip([0.0, 10e6, 40e6]) {
+        assert_eq!(path["confinement"].as_f64(), Some(cell));
+        let peak =
+            path["points"].as_array().expect("points").iter().filter_map(|p| p["mises"].as_f64()).fold(0.0, f64::max);
+        let expected = 20e6 + cell * tangent / (1.0 - tangent / 3.0);
+        assert!((peak / expected - 1.0).abs() < 1e-6, "{peak:e} {expected:e}");
+    }
+    assert!(paths.len() == 4 && paths[3]["confinement"].is_null());
+    let csv = fs::read_to_string(folder.path().join("soil_material_strength.csv")).expect("a table");
+    let rows = csv.lines().skip(1).count();
+    assert_eq!(rows, record["strengths"][0]["surface"].as_array().expect("a surface").len() + 4 * 101);
+    for ending in ["surface.svg", "surface.png", "paths.svg", "paths.png"] {
+        assert!(folder.path().join(format!("soil_material_{ending}")).exists(), "{ending}");
+    }
+    let output = revolve(&[&arguments[..8], &["--confinements=-1"]].concat());
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && errors.contains("at least zero"), "{errors}");
+}
+
 /// Materials without strength are named with the reason; a misspelt name gets the nearest one.
 #[test]
 fn unsuitable_and_unknown_materials_are_named() {

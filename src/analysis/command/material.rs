@@ -14,6 +14,7 @@ use crate::model::{HyperelasticLaw, MaterialId, Model};
 use crate::output;
 use crate::study::material::{self, TensionCurve, TensionRequest};
 use crate::study::rubber;
+use crate::study::strength::{self, StrengthCurves, StrengthRequest};
 use crate::user::Routines;
 
 /// Compute the true stress over the true strain of the materials of a deck in uniaxial tension, with one element.
@@ -40,6 +41,10 @@ pub struct MaterialCommand {
     /// Element length for damage evolution and cracks of concrete (default: mean length of the elements of the material).
     #[arg(long, value_name = "LENGTH")]
     length: Option<f64>,
+    /// Confining pressures of triaxial compression, for laws with a strength over pressure (default: 0, 0.5 and 2 times the
+    /// strength in uniaxial compression).
+    #[arg(long, value_name = "PRESSURES", value_delimiter = ',')]
+    confinements: Vec<f64>,
     /// Write the picture of one material also to this file, .png or .svg.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -72,7 +77,18 @@ impl MaterialCommand {
         if named.is_empty() {
             return Err("no material of the deck has a stress-strain curve".into());
         }
-        self.write(&model, &named, format)
+        let strengths = self.strengths(&model, &chosen);
+        self.write(&model, &named, &strengths, format)
+    }
+
+    /// Computes yield surfaces and paths of compression.
+    fn strengths(&self, model: &Model, chosen: &[MaterialId]) -> Vec<StrengthCurves> {
+        let curves = |&id: &MaterialId| {
+            let (confinements, length) = (self.confinements.clone(), self.length(model, id));
+            let request = StrengthRequest { confinements, strain: self.strain, length };
+            strength::curves(&model.materials[id], &request)
+        };
+        chosen.iter().filter_map(curves).collect()
     }
 
     fn check(&self) -> Result<(), String> {
@@ -81,6 +97,11 @@ impl MaterialCommand {
         }
         if let Some(temperature) = self.temperatures.iter().find(|t| !t.is_finite()) {
             return Err(format!("--temperatures {temperature}: expected numbers, for example 298,600"));
+        }
+        if let Some(pressure) = self.confinements.iter().find(|p| !(**p >= 0.0 && p.is_finite())) {
+            return Err(format!(
+                "--confinements {pressure}: expected pressures of at least zero, for example 0,10e6,50e6"
+            ));
         }
         if !(self.strain > 0.0 && self.strain <= 3.0) {
             return Err(format!("--strain {}: expected a true strain above 0, at most 3", self.strain));
@@ -133,12 +154,17 @@ impl MaterialCommand {
         named
     }
 
+    /// Returns the characteristic length of elements.
+    fn length(&self, model: &Model, id: MaterialId) -> f64 {
+        self.length.or_else(|| material::element_length(model, id)).unwrap_or(1.0)
+    }
+
     fn request(&self, model: &Model, id: MaterialId) -> TensionRequest {
         let temperatures = match &self.temperatures[..] {
             [] => material::initial_temperatures(model, id),
             given => given.iter().copied().map(Some).collect(),
         };
-        let length = self.length.or_else(|| material::element_length(model, id)).unwrap_or(1.0);
+        let length = self.length(model, id);
         if material::takes_length(&model.materials[id]) && !self.output.is_silent() {
             print_out!("{}: damage with the element length {length}", model.materials[id].name);
         }
@@ -160,6 +186,7 @@ impl MaterialCommand {
         &self,
         model: &Model,
         named: &[NamedCurves],
+        strengths: &[StrengthCurves],
         format: Option<PictureFormat>,
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let units = model.settings.units.as_ref();
@@ -174,17 +201,28 @@ impl MaterialCommand {
             let pictures = rubber::charts(name, law, units);
             charts.extend(pictures.into_iter().map(|(kind, chart)| (format!("{}{kind}", ending(name)), chart)));
         }
-        write_results(&job, "material", &material::point_table(named), Vec::new(), &charts, &labels)?;
+        let mut tables = Vec::new();
+        if !strengths.is_empty() {
+            for curves in strengths {
+                let pictures = strength::charts(curves, units);
+                charts.extend(pictures.map(|(kind, chart)| (format!("{}{kind}", ending(&curves.name)), chart)));
+            }
+            tables.push(("_material_strength.csv".to_owned(), strength::point_table(strengths).csv().into_bytes()));
+        }
+        write_results(&job, "material", &material::point_table(named), tables, &charts, &labels)?;
         if let (Some(path), Some(format), Some((_, chart))) = (&self.plot, format, charts.first()) {
             output::write_whole(path, &format.bytes(&labels.applied(chart.clone()).drawing()?)?)?;
         }
-        self.output.print_json(&material::record(named))?;
+        self.output.print_json(&material::record(named, strengths))?;
         if self.output.is_silent() {
             return Ok(super::output_status());
         }
         print_table(&material::table(named, self.strain, units));
         if !fitted.is_empty() {
             print_table(&rubber::table(&fitted));
+        }
+        if !strengths.is_empty() {
+            print_table(&strength::table(strengths, units));
         }
         for (name, curves) in named {
             for (curve, reason) in curves.iter().filter_map(|c| Some((c, c.halt.as_ref()?))) {
@@ -196,6 +234,9 @@ impl MaterialCommand {
             if self.heats(model) { "with heating" } else { "isothermal" }
         );
         print_out!("curves {}", job.path("_material.csv").display());
+        if !strengths.is_empty() {
+            print_out!("yield surfaces and paths {}", job.path("_material_strength.csv").display());
+        }
         for (ending, _) in &charts {
             print_out!("picture {}", job.path(&format!("_material{ending}.png")).display());
         }

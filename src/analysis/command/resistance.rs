@@ -13,13 +13,15 @@ use super::{
 };
 use crate::deck::{Diagnostic, Diagnostics, Sources};
 use crate::model::MaterialDefinition;
-use crate::model::derive::target_of;
+use crate::model::derive::{depends_on_rate, expansion_target, has_law, target_of};
 use crate::output::{self, csv};
 use crate::resistance::fit::FitWeight;
 use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
-use crate::resistance::similarity::ExpandingCavity;
-use crate::resistance::{CavityShape, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive};
-use crate::study::expansion;
+use crate::resistance::{
+    CavityShape, ExpansionTarget, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, TargetScale, TargetSizes,
+    YieldCurve, derive,
+};
+use crate::study::expansion::{self, MeasuredMaterial};
 use crate::study::law::ResistanceRecord;
 
 /// Values of `--type`.
@@ -89,9 +91,12 @@ pub struct ResistanceCommand {
     /// Highest velocity of the fit.
     #[arg(long, value_name = "VELOCITY")]
     to: f64,
-    /// Number of equally spaced velocities.
-    #[arg(long, default_value_t = crate::resistance::derive::POINTS)]
-    points: usize,
+    /// Number of equally spaced velocities (default: 41; 9 for a law of strength over pressure).
+    #[arg(long)]
+    points: Option<usize>,
+    /// Length of the elements whose softening over displacements the target has (*CONCRETE TENSION STIFFENING).
+    #[arg(long, value_name = "LENGTH", requires = "deck")]
+    length: Option<f64>,
     /// Number of fitted constants: 3, or 2 for B = 0.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
     terms: u8,
@@ -155,6 +160,12 @@ struct MaterialArguments {
     rate_johnson_cook: Vec<f64>,
 }
 
+/// Target of the command, and its material for meshed cavities.
+struct CommandTarget {
+    target: Box<dyn ExpansionTarget>,
+    material: MeasuredMaterial,
+}
+
 /// Function from velocity to the pressure of the similarity solution, divided by the yield stress.
 type PressureAt<'a> = dyn Fn(f64) -> Option<f64> + 'a;
 
@@ -164,29 +175,29 @@ const DRAWN: u32 = 120;
 impl ResistanceCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let format = self.chart.as_deref().map(PictureFormat::of).transpose()?;
-        let material = match &self.deck {
+        let CommandTarget { target, material } = match &self.deck {
             Some(deck) => self.of_deck(deck)?,
-            None => {
-                print_unit_warnings([&self.given.elastic()], None, &Sources::default());
-                self.given.material(self.tension, self.radius)?
-            }
+            None => self.of_options()?,
         };
-        let material = TargetMaterial { shape: self.shape.into(), ..material };
         let begin = Stopwatch::now();
-        let target = ScaledTarget::new(&material).map_err(|fault| finding(&fault))?;
-        let derived = derive(&target, &self.request()).map_err(|fault| finding(&fault))?;
+        let derived = derive(&*target, &self.request()).map_err(|fault| finding(&fault))?;
         let seconds = begin.elapsed().as_secs_f64();
         let measured = match &self.measure {
             Some(velocities) => {
                 let default = [0.25, 0.5, 1.0].map(|share| share * self.to);
-                expansion::measure(&material, if velocities.is_empty() { &default } else { velocities })?
+                expansion::measure(
+                    &material,
+                    target.scale(),
+                    if velocities.is_empty() { &default } else { velocities },
+                )?
             }
             None => Vec::new(),
         };
-        let record = ResistanceRecord::new(&target, &self.request(), &derived, measured, seconds);
-        let expansion = ExpandingCavity::new(&target).map_err(|fault| fault.to_string())?;
-        let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
-        self.write(&record, format, &target, &similar)?;
+        let scale = target.scale();
+        let record = ResistanceRecord::new(scale, &self.request(), &derived, measured, seconds);
+        let pressure = target.pressures().map_err(|fault| fault.to_string())?;
+        let similar = |v: f64| pressure(v).ok().map(|p| p.stress);
+        self.write(&record, format, scale, &similar)?;
         self.print(&record, &similar)?;
         Ok(super::output_status())
     }
@@ -201,7 +212,14 @@ impl ResistanceCommand {
         }
     }
 
-    fn of_deck(&self, path: &Path) -> Result<TargetMaterial, Box<dyn Error>> {
+    fn of_options(&self) -> Result<CommandTarget, Box<dyn Error>> {
+        print_unit_warnings([&self.given.elastic()], None, &Sources::default());
+        let material = TargetMaterial { shape: self.shape.into(), ..self.given.material(self.tension, self.radius)? };
+        let target = ScaledTarget::new(&material).map_err(|fault| finding(&fault))?;
+        Ok(CommandTarget { target: Box::new(target), material: MeasuredMaterial::Curve(material) })
+    }
+
+    fn of_deck(&self, path: &Path) -> Result<CommandTarget, Box<dyn Error>> {
         let (deck, model) = read_model(path, &pairs(&self.set)?)?;
         let names: Vec<&str> = model.materials.iter().map(|m| &m.name[..]).collect();
         let material_name = match (&self.material, &names[..]) {
@@ -221,10 +239,21 @@ impl ResistanceCommand {
             );
         };
         print_unit_warnings([material], model.settings.units.as_ref(), &deck.sources);
-        if material.rate.is_some() && self.radius.is_none() {
-            print_err!("warning: *RATE DEPENDENT of {material_name} is ignored without --radius");
+        if depends_on_rate(material) && self.radius.is_none() {
+            print_err!("warning: the strain rates of {material_name} are ignored without --radius");
         }
-        target_of(material, self.radius, self.tension).map_err(|finding| {
+        let sizes =
+            TargetSizes { shape: self.shape.into(), radius: self.radius, tension: self.tension, length: self.length };
+        let found = expansion_target(material, &sizes).and_then(|target| {
+            let material = if has_law(material) {
+                MeasuredMaterial::Law(Box::new(material.clone()))
+            } else {
+                let curve = target_of(material, self.radius, self.tension)?;
+                MeasuredMaterial::Curve(TargetMaterial { shape: sizes.shape, ..curve })
+            };
+            Ok(CommandTarget { target, material })
+        });
+        found.map_err(|finding| {
             print_findings(&Diagnostics::from_iter([finding]), &deck.sources);
             AlreadyPrinted.into()
         })
@@ -234,7 +263,7 @@ impl ResistanceCommand {
         &self,
         record: &ResistanceRecord,
         format: Option<PictureFormat>,
-        target: &ScaledTarget,
+        target: TargetScale,
         similar: &PressureAt<'_>,
     ) -> Result<(), Box<dyn Error>> {
         if let (Some(path), Some(format)) = (&self.chart, format) {

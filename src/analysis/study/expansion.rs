@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::StudyError;
-use super::error::accepted;
 use super::richardson::{self, LimitEstimate, RefinementLevel};
+use crate::deck::{self, Severity};
 use crate::job;
+use crate::model::{self, MaterialDefinition};
 use crate::output::RunHistory;
-use crate::resistance::{CavityShape, TargetMaterial, YieldCurve};
+use crate::resistance::{CavityShape, TargetMaterial, TargetScale, YieldCurve};
 use crate::user::Routines;
 
 /// Final radius of the cavity divided by its initial radius; the influence of the initial state is then a few
@@ -46,11 +47,62 @@ impl MeasuredPressure {
     }
 }
 
+/// Material of a meshed cavity.
+pub enum MeasuredMaterial {
+    /// A stress-strain curve, with a pressure that is linear in the volume.
+    Curve(TargetMaterial),
+    /// A material of a deck with cards of strength.
+    Law(Box<MaterialDefinition>),
+}
+
+impl MeasuredMaterial {
+    /// Returns the speed of dilatational waves.
+    fn wave_speed(&self, density: f64) -> f64 {
+        let modulus = match self {
+            MeasuredMaterial::Curve(TargetMaterial { young, poisson, .. }) => {
+                young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+            }
+            MeasuredMaterial::Law(material) => {
+                material.small_strain_moduli(None).map_or(f64::NAN, |m| m.bulk + 4.0 / 3.0 * m.shear)
+            }
+        };
+        (modulus / density).sqrt()
+    }
+
+    /// Returns the cards of the material and its section; those of a law are replaced in the model.
+    fn cards(&self) -> String {
+        match self {
+            MeasuredMaterial::Curve(target) => material(target),
+            MeasuredMaterial::Law(_) => {
+                "*Solid Section, elset=WEDGE, material=M\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 1., 0.\n".into()
+            }
+        }
+    }
+
+    fn prepared(&self, text: &str) -> Result<job::PreparedJob, StudyError> {
+        let (deck, diagnostics) = deck::read_text("cavity.inp", text, &[]);
+        let (mut model, mut findings) = model::build(&deck);
+        findings.append(diagnostics);
+        if let MeasuredMaterial::Law(material) = self {
+            let material = MaterialDefinition { damping: None, cavity: None, ..(**material).clone() };
+            model.materials = vec![material];
+        }
+        let prepared = job::prepare_model(&model, &Routines::none());
+        let error = findings.iter().chain(prepared.diagnostics.iter()).find(|d| d.severity == Severity::Error).cloned();
+        error.map_or(Ok(prepared), |error| Err(StudyError::from(error)))
+    }
+}
+
 /// Computes the pressure at each velocity on three meshes; runs are parallel.
-pub fn measure(target: &TargetMaterial, velocities: &[f64]) -> Result<Vec<MeasuredPressure>, StudyError> {
-    check(target, velocities)?;
+pub fn measure(
+    material: &MeasuredMaterial,
+    scale: TargetScale,
+    velocities: &[f64],
+) -> Result<Vec<MeasuredPressure>, StudyError> {
+    check(material, scale, velocities)?;
     let pairs: Vec<(f64, f64)> = velocities.iter().flat_map(|&v| LEVELS.map(|step| (v, step))).collect();
-    let runs: Vec<[f64; 2]> = pairs.par_iter().map(|&(v, step)| run(target, v, step)).collect::<Result<_, _>>()?;
+    let run = |&(velocity, step): &(f64, f64)| run(material, scale, velocity, step);
+    let runs: Vec<[f64; 2]> = pairs.par_iter().map(run).collect::<Result<_, _>>()?;
     let measured = |(velocity, runs): (&f64, &[[f64; 2]])| {
         let series: Vec<RefinementLevel> =
             LEVELS.iter().zip(runs).map(|(&size, r)| RefinementLevel { size, value: r[0] }).collect();
@@ -61,11 +113,26 @@ pub fn measure(target: &TargetMaterial, velocities: &[f64]) -> Result<Vec<Measur
     Ok(velocities.iter().zip(runs.chunks(LEVELS.len())).filter_map(measured).collect())
 }
 
-fn check(target: &TargetMaterial, velocities: &[f64]) -> Result<(), StudyError> {
+fn check(material: &MeasuredMaterial, scale: TargetScale, velocities: &[f64]) -> Result<(), StudyError> {
     let wrong = |what: &str| Err(StudyError::Setting(format!("--measure: {what}")));
-    if target.shape != CavityShape::Spherical {
+    if scale.shape != CavityShape::Spherical {
         return wrong("meshed cavities are spherical; omit --measure or --type cylindrical");
     }
+    if velocities.iter().any(|v| *v <= 0.0 || !v.is_finite()) {
+        return wrong("velocities must be above zero");
+    }
+    let target = match material {
+        MeasuredMaterial::Curve(target) => target,
+        MeasuredMaterial::Law(material) if model::derive::depends_on_rate(material) => {
+            return wrong("strain-rate dependence is unsupported; set its constant to 0, or omit --measure");
+        }
+        MeasuredMaterial::Law(material) if material.strength.takes_length() => {
+            return wrong(
+                "softening over displacements is unsupported, because the elements of the cavity change their length",
+            );
+        }
+        MeasuredMaterial::Law(_) => return Ok(()),
+    };
     if target.poisson > LARGEST_RATIO {
         return wrong(
             "the stable time increment of an incompressible target is zero; give a Poisson's ratio of at most 0.499",
@@ -79,21 +146,18 @@ fn check(target: &TargetMaterial, velocities: &[f64]) -> Result<(), StudyError> 
     if matches!(target.curve, YieldCurve::Power(n) if n > 0.9) {
         return wrong("the hardening exponent is too close to elastic behaviour; give --power 0.9 or less");
     }
-    if velocities.iter().any(|v| *v <= 0.0 || !v.is_finite()) {
-        return wrong("velocities must be above zero");
-    }
     Ok(())
 }
 
 /// Runs one mesh; returns the pressure divided by the yield stress, and its drift.
-fn run(target: &TargetMaterial, velocity: f64, step: f64) -> Result<[f64; 2], StudyError> {
-    let wedge = Wedge::new(target, velocity, step);
-    let prepared = accepted(job::prepare_text("cavity.inp", &wedge.deck(target), &[], &Routines::none()))?;
+fn run(material: &MeasuredMaterial, scale: TargetScale, velocity: f64, step: f64) -> Result<[f64; 2], StudyError> {
+    let wedge = Wedge::new(material.wave_speed(scale.density), velocity, step);
+    let prepared = material.prepared(&wedge.deck(&material.cards()))?;
     let mut history = RunHistory::of_rows(prepared.plan.column_names());
     if let Some(halt) = job::run_into(&prepared, &mut history).0.halt {
         return Err(StudyError::Comparison(format!("--measure: at {velocity} the run halted: {halt}")));
     }
-    Ok(wedge.pressure(&history).map(|p| p / target.yield_stress))
+    Ok(wedge.pressure(&history).map(|p| p / scale.yield_stress))
 }
 
 /// Mesh of spherical shells between two rays; the first ray is on the equator, and the initial cavity radius is 1.
@@ -108,10 +172,8 @@ impl Wedge {
     /// Creates shells whose radii have equal logarithmic steps at the time when the cavity radius is the square root of
     /// its final value: shells are then neither too thick at the start nor too thin at the end. The outer radius is so
     /// large that no wave returns from it before the end.
-    fn new(target: &TargetMaterial, velocity: f64, step: f64) -> Wedge {
-        let TargetMaterial { young, poisson, density, .. } = *target;
-        let modulus = young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-        let outside = 0.6 * (modulus / density).sqrt() * (RADIUS_RATIO - 1.0) / velocity + 2.0 * RADIUS_RATIO;
+    fn new(wave_speed: f64, velocity: f64, step: f64) -> Wedge {
+        let outside = 0.6 * wave_speed * (RADIUS_RATIO - 1.0) / velocity + 2.0 * RADIUS_RATIO;
         let inside = RADIUS_RATIO.sqrt();
         let radius =
             |i: i32| (libm::pow(inside * (step * f64::from(i)).exp(), 3.0) - libm::pow(inside, 3.0) + 1.0).cbrt();
@@ -122,7 +184,7 @@ impl Wedge {
 
     /// Writes the deck. All nodes move along their rays, the two nodes of a shell by the same distance. The pressure is
     /// linear in the volume, as in the similarity solution: an equation of state with a constant shock speed.
-    fn deck(&self, target: &TargetMaterial) -> String {
+    fn deck(&self, material: &str) -> String {
         let (n, [c, s], v) = (self.radii.len(), self.ray, self.velocity);
         let mut text = String::from("*Node\n");
         for (i, r) in self.radii.iter().enumerate() {
@@ -133,7 +195,7 @@ impl Wedge {
             let _ = writeln!(text, " {i}, {i}, {}, {}, {}", i + 1, n + i + 1, n + i);
         }
         let _ = write!(text, "*Nset, nset=LOW, generate\n 2, {n}\n*Nset, nset=A\n 1,\n*Nset, nset=B\n {},\n", n + 1);
-        text += &material(target);
+        text += material;
         text += "*Equation\n";
         for i in 2..=n {
             for (dof, part) in [(1, c), (2, s)] {

@@ -6,7 +6,7 @@ use super::chart::{Chart, ChartSeries, SeriesForm};
 use super::expansion::MeasuredPressure;
 use super::table::TextTable;
 use crate::resistance::fit::law;
-use crate::resistance::{CavityShape, DerivedResistance, FitRequest, ScaledTarget};
+use crate::resistance::{CavityShape, DerivedResistance, FitRequest, TargetScale};
 
 /// JSON object printed by `revolve resistance --json`. The keys are stable. Velocities are in the units of the
 /// material, pressures are divided by Y.
@@ -53,7 +53,7 @@ pub struct PressureRow {
 impl ResistanceRecord {
     /// Collects the derived law and the pressures computed with finite elements.
     pub fn new(
-        target: &ScaledTarget,
+        target: TargetScale,
         request: &FitRequest,
         derived: &DerivedResistance,
         measured: Vec<MeasuredPressure>,
@@ -62,7 +62,7 @@ impl ResistanceRecord {
         let row = |p: &crate::resistance::similarity::CavityPressure| PressureRow {
             velocity: p.velocity,
             pressure: p.stress,
-            law: law(derived.constants, p.velocity / target.velocity),
+            law: law(derived.constants, p.velocity / target.velocity()),
             plastic: p.plastic,
             cracked: p.cracked,
         };
@@ -130,21 +130,21 @@ impl ResistanceRecord {
         vec![
             format!("{} (95 % confidence intervals by Student's t)", constants.join(", ")),
             format!(
-                "velocities {} to {}: rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {:.4} Y",
+                "velocities {} to {}: rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {}",
                 self.range[0],
                 self.range[1],
                 self.residual,
                 100.0 * self.worst[0],
                 self.worst[1],
-                self.still
+                still(self.still)
             ),
         ]
     }
 
     /// Returns the chart of the similarity solution (`pressures`), the fitted law and the finite-element results.
-    pub fn chart(&self, title: &str, target: &ScaledTarget, pressures: &[(f64, f64)]) -> Chart {
+    pub fn chart(&self, title: &str, target: TargetScale, pressures: &[(f64, f64)]) -> Chart {
         let [a, b, c] = self.constants;
-        let fitted = |p: &(f64, f64)| (p.0, law(self.constants, p.0 / target.velocity));
+        let fitted = |p: &(f64, f64)| (p.0, law(self.constants, p.0 / target.velocity()));
         let mut series = vec![
             ChartSeries::new("similarity solution", SeriesForm::Line, pressures.to_vec()),
             ChartSeries::new(
@@ -163,12 +163,17 @@ impl ResistanceRecord {
     }
 }
 
+/// Returns the pressure at rest as text; a target that softens may have none.
+fn still(pressure: f64) -> String {
+    if pressure.is_nan() { "not defined".into() } else { format!("{pressure:.4} Y") }
+}
+
 /// Writes the card; it belongs below a `*MATERIAL` with `*DENSITY`.
-fn card(target: &ScaledTarget, request: &FitRequest, derived: &DerivedResistance) -> String {
+fn card(target: TargetScale, request: &FitRequest, derived: &DerivedResistance) -> String {
     let [a, b, c] = derived.constants;
     format!(
         "** {} cavity expansion, velocities {} to {}, density {}\n\
-         ** rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {:.4} Y\n\
+         ** rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {}\n\
          *Cavity Expansion, yield={:?}\n {a:?}, {b:?}, {c:?}\n",
         match target.shape {
             CavityShape::Spherical => "Spherical",
@@ -180,7 +185,7 @@ fn card(target: &ScaledTarget, request: &FitRequest, derived: &DerivedResistance
         derived.fit.residual,
         100.0 * derived.worst[0],
         derived.worst[1],
-        derived.static_pressure,
+        still(derived.static_pressure),
         target.yield_stress
     )
 }

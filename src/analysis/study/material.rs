@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::StudyError;
 use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::strength::StrengthCurves;
 use super::table::{TextTable, digits};
 use crate::deck::{self, Severity};
 use crate::job::{self, PreparedJob};
@@ -416,8 +417,13 @@ pub fn chart(name: &str, curves: &[TensionCurve], units: Option<&DeckUnits>) -> 
     Chart { units: [String::new(), stress], ..Chart::new(&format!("{name} in uniaxial tension"), AXES, series) }
 }
 
-/// Returns the curves of materials as a JSON object; numbers that a material does not have are null.
-pub fn record(named: &[(String, Vec<TensionCurve>)]) -> Value {
+/// Returns the curves of materials, and those of strength over pressure, as a JSON object; numbers that a material does not
+/// have are null.
+pub fn record(named: &[(String, Vec<TensionCurve>)], strengths: &[StrengthCurves]) -> Value {
     let materials: Vec<Value> = named.iter().map(|(name, curves)| json!({ "name": name, "curves": curves })).collect();
-    json!({ "materials": materials })
+    if strengths.is_empty() {
+        json!({ "materials": materials })
+    } else {
+        json!({ "materials": materials, "strengths": strengths })
+    }
 }

@@ -51,6 +51,7 @@ pub mod sensitivity;
 pub mod settings;
 pub mod shot;
 pub mod statistics;
+pub mod strength;
 pub mod sweep;
 pub mod target;
 #[cfg(feature = "cli")]

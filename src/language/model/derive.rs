@@ -3,6 +3,7 @@
 
 use super::context::Context;
 use super::families::{DerivationRequest, MaterialReader};
+use super::strength_law::{StrengthFault, strength_law};
 use super::types::{
     CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation, StrengthCards, tangent,
 };
@@ -12,7 +13,8 @@ use crate::material::returns::drucker_prager::{DruckerPragerShape, YieldTest};
 use crate::resistance::fit::FitWeight;
 use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
 use crate::resistance::{
-    self, CavityShape, DerivedResistance, FitRequest, ScaledTarget, TargetMaterial, YieldCurve, derive,
+    CavityShape, DerivedResistance, ExpansionTarget, FitRequest, LawTarget, ResistanceError, ScaledTarget,
+    TargetMaterial, TargetScale, TargetSizes, YieldCurve, derive,
 };
 
 /// Number of rows with which a yield curve is tabulated, and their range of plastic strain in addition to 0. The
@@ -33,12 +35,12 @@ pub(super) fn derivation(context: &mut Context<'_>, materials: &mut MaterialRead
     let [from, to, points] = values.values;
     let weight = [FitWeight::Even, FitWeight::Relative, FitWeight::Velocity][values.weight];
     // Invalid numbers of points become 0, which the fit reports.
-    let points = if points.fract() == 0.0 { points as usize } else { 0 };
+    let points = (!points.is_nan()).then_some(if points.fract() == 0.0 { points as usize } else { 0 });
     let request = FitRequest { range: [from, to], points, linear: values.linear, pinned: values.pinned, weight };
     let material = context.model.materials.len() - 1;
     let shape = [CavityShape::Spherical, CavityShape::Cylindrical][values.shape];
-    let (radius, tension, span) = (values.radius, values.tension, card.span);
-    materials.derivations.push(DerivationRequest { material, request, shape, radius, tension, span });
+    let sizes = TargetSizes { shape, radius: values.radius, tension: values.tension, length: values.length };
+    materials.derivations.push(DerivationRequest { material, request, sizes, span: card.span });
 }
 
 /// Derives the requested constants after all cards are read.
@@ -53,24 +55,21 @@ pub(super) fn derive_resistances(context: &mut Context<'_>, materials: &mut Mate
 
 fn derived(context: &mut Context<'_>, requested: &DerivationRequest) -> Result<CavityExpansion, Diagnostic> {
     let material = &context.model.materials[requested.material];
-    if material.rate.is_some() && requested.radius.is_none() {
-        let message = format!("the resistance of material {} is derived without *RATE DEPENDENT", material.name);
+    if depends_on_rate(material) && requested.sizes.radius.is_none() {
+        let message = format!("the resistance of material {} is derived without its strain rates", material.name);
         let diagnostic = Diagnostic::warning("M185", message).at(requested.span, "cavity radius missing");
         context.diagnostics.push(diagnostic.help("give RADIUS=, the radius of the projectile shank"));
     }
-    let target = target_of(material, requested.radius, requested.tension)
-        .map_err(|error| error.at(requested.span, "derived here"))?;
-    let target = TargetMaterial { shape: requested.shape, ..target };
-    let to_diagnostic = |fault: resistance::ResistanceError| {
+    let target =
+        expansion_target(material, &requested.sizes).map_err(|error| error.at(requested.span, "derived here"))?;
+    let derived = derive(&*target, &requested.request).map_err(|fault| {
         let message = format!("material {}: {fault}", material.name);
         Diagnostic::error(fault.code(), message).at(requested.span, "derived here")
-    };
-    let target = ScaledTarget::new(&target).map_err(to_diagnostic)?;
-    let derived = derive(&target, &requested.request).map_err(to_diagnostic)?;
-    Ok(card_of(&target, requested, &derived))
+    })?;
+    Ok(card_of(target.scale(), requested, &derived))
 }
 
-fn card_of(target: &ScaledTarget, requested: &DerivationRequest, derived: &DerivedResistance) -> CavityExpansion {
+fn card_of(target: TargetScale, requested: &DerivationRequest, derived: &DerivedResistance) -> CavityExpansion {
     let [a, b, c] = derived.constants;
     let derivation = ResistanceDerivation {
         shape: target.shape,
@@ -80,6 +79,87 @@ fn card_of(target: &ScaledTarget, requested: &DerivationRequest, derived: &Deriv
         still: derived.static_pressure,
     };
     CavityExpansion { yield_stress: target.yield_stress, a, b, c, derived: Some(derivation), span: requested.span }
+}
+
+/// Target of a material: by its stress-strain curve, or by its law if it has cards of strength.
+///
+/// # Errors
+/// `M101` if a card is missing, `M104` if a law is not supported, and the codes of cavity expansion.
+pub fn expansion_target(
+    material: &MaterialDefinition,
+    sizes: &TargetSizes,
+) -> Result<Box<dyn ExpansionTarget>, Diagnostic> {
+    if has_law(material) {
+        return law_target(material, sizes).map(|target| Box::new(target) as Box<dyn ExpansionTarget>);
+    }
+    if material.eos.is_some() {
+        return Err(unsupported(material, "an equation of state (*EOS)"));
+    }
+    let target = TargetMaterial { shape: sizes.shape, ..target_of(material, sizes.radius, sizes.tension)? };
+    let target = ScaledTarget::new(&target).map_err(|fault| of_material(material, &fault))?;
+    Ok(Box::new(target))
+}
+
+fn of_material(material: &MaterialDefinition, fault: &ResistanceError) -> Diagnostic {
+    let message = format!("material {}: {fault}", material.name);
+    Diagnostic::error(fault.code(), message).at(material.span, "the material")
+}
+
+/// Returns whether the resistance follows from the law of the cards of strength.
+pub fn has_law(material: &MaterialDefinition) -> bool {
+    material.has_strength_law() && strength_over_pressure(material).is_none()
+}
+
+/// Returns whether the strength depends on the strain rate.
+pub fn depends_on_rate(material: &MaterialDefinition) -> bool {
+    let StrengthCards { johnson_holmquist, holmquist_johnson_cook, compression_hardening, tension_stiffening, .. } =
+        &material.strength;
+    // C is the third constant of the first line of one card, and the seventh constant of the other one.
+    let [ceramic, concrete] = [
+        johnson_holmquist.as_ref().and_then(|(constants, _)| constants.get(6)),
+        holmquist_johnson_cook.as_ref().and_then(|(card, _)| card.rows.first().map(|row| &row[3])),
+    ];
+    let tables = [
+        compression_hardening.as_ref().map(|(card, _)| &card.rows),
+        tension_stiffening.as_ref().map(|(card, _)| &card.rows),
+    ];
+    material.rate.is_some()
+        || [ceramic, concrete].into_iter().flatten().any(|c| *c != 0.0)
+        || tables.into_iter().flatten().any(|rows| rows.windows(2).any(|pair| pair[0][2] != pair[1][2]))
+}
+
+fn law_target(material: &MaterialDefinition, sizes: &TargetSizes) -> Result<LawTarget, Diagnostic> {
+    let TargetSizes { shape, radius, tension, length } = *sizes;
+    let needs_length = material.strength.takes_length();
+    let refusals = [
+        (material.strength.potential.is_some(), "*POTENTIAL: it differs between directions"),
+        (tension.is_some(), "its law together with a tensile strength: the law has its own"),
+        (
+            radius.is_some() && !depends_on_rate(material),
+            "its law with a radius: it does not depend on the strain rate",
+        ),
+        (needs_length && length.is_none(), "softening over displacements without a length of elements (LENGTH)"),
+        (!needs_length && length.is_some(), "its law with a length: it does not depend on the elements"),
+    ];
+    if let Some((_, what)) = refusals.iter().find(|(is_refused, _)| *is_refused) {
+        return Err(unsupported(material, what));
+    }
+    let Some(density) = material.density else { return Err(missing(material, "DENSITY")) };
+    let length = length.unwrap_or(1.0);
+    let law = strength_law(material, length).map_err(|StrengthFault { message, span, .. }| {
+        Diagnostic::error("M104", format!("material {}: {message}", material.name)).at(span, "this card")
+    })?;
+    let law = law.law;
+    let yield_stress = match linear_strength(material) {
+        Some(strength) => strength.cohesion,
+        None => LawTarget::compressive_strength(&*law, length).map_err(|fault| of_material(material, &fault))?,
+    };
+    Ok(LawTarget { law, shape, density, radius, length, yield_stress })
+}
+
+fn missing(material: &MaterialDefinition, card: &str) -> Diagnostic {
+    let message = format!("the resistance of material {} cannot be derived without *{card}", material.name);
+    Diagnostic::error("M101", message).at(material.span, "the material")
 }
 
 /// Converts a material of the model to a target material with a spherical cavity. With a cavity radius strain rates are
@@ -92,27 +172,21 @@ pub fn target_of(
     radius: Option<f64>,
     tension: Option<f64>,
 ) -> Result<TargetMaterial, Diagnostic> {
-    let missing = |card: &str| {
-        let message = format!("the resistance of material {} cannot be derived without *{card}", material.name);
-        Diagnostic::error("M101", message).at(material.span, "the material")
-    };
+    let missing = |card: &str| missing(material, card);
     let [young, poisson] = material.elastic.ok_or_else(|| missing("ELASTIC"))?;
     let density = material.density.ok_or_else(|| missing("DENSITY"))?;
-    if let Some(strength) = strength_over_pressure(material)? {
-        let StrengthOverPressure { cohesion, slope } = strength;
-        let (shape, curve) = (CavityShape::Spherical, YieldCurve::Perfect);
-        let target = TargetMaterial {
-            shape,
+    if let Some(StrengthOverPressure { cohesion, slope, .. }) = strength_over_pressure(material) {
+        return Ok(TargetMaterial {
+            shape: CavityShape::Spherical,
             young,
             poisson,
             density,
             yield_stress: cohesion,
-            curve,
+            curve: YieldCurve::Perfect,
             pressure_slope: slope,
             tension,
             rate: None,
-        };
-        return Ok(target);
+        });
     }
     let curve = curve(material.plastic.as_ref().ok_or_else(|| missing("PLASTIC"))?, material)?;
     let yield_stress = match &curve {
@@ -133,28 +207,29 @@ struct StrengthOverPressure {
     /// Von Mises stress without pressure.
     cohesion: f64,
     slope: f64,
+    /// Whether flow changes the volume.
+    dilates: bool,
 }
 
-/// Returns the yield stress over pressure of the linear `*DRUCKER PRAGER`; `None` for metals. A cavity compresses the material
-/// along the radius, so that K has no effect.
-fn strength_over_pressure(material: &MaterialDefinition) -> Result<Option<StrengthOverPressure>, Diagnostic> {
+/// Returns the yield stress over pressure of a linear `*DRUCKER PRAGER` without hardening; `None` for other materials. A
+/// cavity compresses the material along the radius, so that K has no effect.
+fn linear_strength(material: &MaterialDefinition) -> Option<StrengthOverPressure> {
     let StrengthCards { drucker_prager, drucker_prager_hardening, .. } = &material.strength;
-    let (Some((card, _)), Some((hardening, _))) = (drucker_prager, drucker_prager_hardening) else {
-        return match material.strength.cards().next() {
-            Some((keyword, _)) => Err(unsupported(material, &format!("*{keyword}"))),
-            None => Ok(None),
-        };
-    };
-    let ([[yield_stress, _]], 0) = (hardening.rows.as_slice(), card.form) else {
-        return Err(unsupported(material, "*DRUCKER PRAGER with hardening or another form than LINEAR"));
-    };
-    if material.rate.is_some() {
-        return Err(unsupported(material, "*DRUCKER PRAGER with *RATE DEPENDENT"));
+    let ((card, _), (hardening, _)) = (drucker_prager.as_ref()?, drucker_prager_hardening.as_ref()?);
+    let &[[yield_stress, _]] = hardening.rows.as_slice() else { return None };
+    let [angle, _, dilation] = card.row;
+    if card.form != 0 {
+        return None;
     }
-    let [angle, _, _] = card.row;
     let slope = tangent(angle);
     let shape = DruckerPragerShape::Linear { friction: slope, ratio: card.ratio() };
-    Ok(Some(StrengthOverPressure { cohesion: shape.strength(YieldTest::ALL[hardening.test], *yield_stress), slope }))
+    let cohesion = shape.strength(YieldTest::ALL[hardening.test], yield_stress);
+    Some(StrengthOverPressure { cohesion, slope, dilates: dilation != 0.0 })
+}
+
+/// Returns the yield stress over pressure of a material whose resistance has a similarity solution: neither dilation nor rates.
+fn strength_over_pressure(material: &MaterialDefinition) -> Option<StrengthOverPressure> {
+    linear_strength(material).filter(|strength| !strength.dilates && material.rate.is_none())
 }
 
 fn unsupported(material: &MaterialDefinition, what: &str) -> Diagnostic {

@@ -15,7 +15,7 @@ use super::types::{
 };
 use crate::deck::{Card, Diagnostic, Span, Word};
 use crate::kernel::bulk_viscosity::BulkViscosity;
-use crate::resistance::{CavityShape, FitRequest};
+use crate::resistance::{FitRequest, TargetSizes};
 
 /// A block without its end card yet, such as `*PART` without `*END PART`.
 #[derive(Debug)]
@@ -129,12 +129,8 @@ pub struct DerivationRequest {
     pub material: usize,
     /// Range and form of the fit.
     pub request: FitRequest,
-    /// Shape of the cavity.
-    pub shape: CavityShape,
-    /// Radius of the cavity, which determines strain rates; `None` for quasi-static constants.
-    pub radius: Option<f64>,
-    /// Tensile strength at which the target cracks.
-    pub tension: Option<f64>,
+    /// Shape of the cavity and what the target needs beside its material.
+    pub sizes: TargetSizes,
     /// Source position of the card.
     pub span: Span,
 }

@@ -25,6 +25,18 @@ pub enum ResistanceError {
     /// Integration of the plastic zone failed.
     #[error("the plastic zone cannot be integrated to the cavity wall: {0}")]
     Lost(String),
+    /// The pressure depends on the step of the integration.
+    #[error(
+        "the pressure at velocity {velocity} changes by {:.1} % with half the step: the law softens without a length, so that \
+         it has no steady expansion",
+        100.0 * change
+    )]
+    Unsteady {
+        /// Velocity of the cavity wall.
+        velocity: f64,
+        /// Relative difference of the pressure with the longer step.
+        change: f64,
+    },
     /// No fit without negative constants.
     #[error("no fit with constants of at least zero: {0}")]
     Negative(String),
@@ -39,6 +51,7 @@ impl ResistanceError {
             ResistanceError::Range(_) => "C003",
             ResistanceError::Lost(_) => "C004",
             ResistanceError::Negative(_) => "C005",
+            ResistanceError::Unsteady { .. } => "C006",
         }
     }
 }

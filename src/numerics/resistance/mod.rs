@@ -8,12 +8,14 @@ mod fault;
 pub mod fit;
 mod front;
 mod integrate;
+pub mod law_target;
 mod overstress;
 pub mod rate;
 mod root;
 pub mod similarity;
 pub mod target;
 
-pub use derive::{DerivedResistance, FitRequest, derive};
+pub use derive::{DerivedResistance, ExpansionTarget, FitRequest, TargetScale, derive};
 pub use fault::ResistanceError;
-pub use target::{CavityShape, ScaledTarget, TargetMaterial, YieldCurve};
+pub use law_target::LawTarget;
+pub use target::{CavityShape, ScaledTarget, TargetMaterial, TargetSizes, YieldCurve};

@@ -78,6 +78,19 @@ pub struct TargetMaterial {
     pub rate: Option<StrainRateEffect>,
 }
 
+/// Shape of the cavity and what a target needs beside its material.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TargetSizes {
+    /// Shape of the cavity.
+    pub shape: CavityShape,
+    /// Radius of the cavity, which determines strain rates; `None` for quasi-static constants.
+    pub radius: Option<f64>,
+    /// Tensile strength at which a target without cards of strength cracks.
+    pub tension: Option<f64>,
+    /// Characteristic length of elements, for softening over displacements.
+    pub length: Option<f64>,
+}
+
 /// Yield stress as a function of strain.
 #[derive(Clone, Debug, PartialEq)]
 pub enum YieldCurve {

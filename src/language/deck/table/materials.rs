@@ -376,15 +376,16 @@ card!(UserMaterial: "USER MATERIAL", "Material model of user subroutine VUMAT", 
 
 card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
     yield_stress: Option<f64> = "YIELD" (POSITIVE) "Y, the reference strength",
-    derives: bool = "DERIVE" (FLAG) "Computes Y, A, B and C from *ELASTIC, *DENSITY and *PLASTIC of the material: cavity expansion, fitted over a range of velocities",
+    derives: bool = "DERIVE" (FLAG) "Computes Y, A, B and C from the cards of strength of the material, or from *ELASTIC, *DENSITY and *PLASTIC: cavity expansion, fitted over a range of velocities",
     shape: usize = "TYPE" (word(&["SPHERICAL", "CYLINDRICAL"]).or(0.0)) "With DERIVE: shape of the cavity, SPHERICAL (default, deep penetration) or CYLINDRICAL (hole expansion in plates)",
     linear: bool = "TERMS" (word(&["2", "3"]).or(1.0)) "With DERIVE: number of terms, 3 (default) or 2 (B = 0)",
     pinned: bool = "STATIC" (FLAG) "With DERIVE: A is the quasi-static cavity pressure and is not fitted",
     weight: usize = "WEIGHT" (word(&["EVEN", "RELATIVE", "VELOCITY"]).or(0.0)) "With DERIVE: weights of the fit, EVEN (absolute pressure differences, default), RELATIVE (relative differences) or VELOCITY (weighted by velocity)",
-    radius: Option<f64> = "RADIUS" (POSITIVE) "With DERIVE: cavity radius, for the strain rates of *RATE DEPENDENT",
+    radius: Option<f64> = "RADIUS" (POSITIVE) "With DERIVE: cavity radius, for the strain rates of *RATE DEPENDENT or of the law",
     tension: Option<f64> = "TENSION" (POSITIVE) "With DERIVE: tensile strength, above which radial cracks form",
+    length: Option<f64> = "LENGTH" (POSITIVE) "With DERIVE: length of the elements whose softening over displacements the target has (*CONCRETE TENSION STIFFENING)",
 }, values: [f64; 3] = [
-    (when "DERIVE" lines ["lowest velocity" (NUMBER.required()), "highest velocity" (NUMBER.required()), "number of velocities" (NUMBER.or(41.0))]),
+    (when "DERIVE" lines ["lowest velocity" (NUMBER.required()), "highest velocity" (NUMBER.required()), "number of velocities" (NUMBER) "Default: 41, or 9 for the law of cards of strength"]),
     (lines ["A" (NOT_NEGATIVE.required()), "B" (NOT_NEGATIVE.required()), "C" (NOT_NEGATIVE.required())]),
 ]);
 

@@ -15,6 +15,7 @@ pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
 pub mod law;
+pub mod path;
 pub mod porous_metal;
 pub mod porous_return;
 pub mod root;
@@ -87,7 +88,7 @@ impl Material for ReturnMaterial {
         }
         let mut points = ReturnedPoints::begin(moduli, strain);
         self.return_points(state, strain, &mut points);
-        update.deleted += points.finish(stress, strain, update);
+        update.deleted += points.finish(stress, strain, update, self.law.holds_pressure());
     }
 
     fn share(&self, state: &ReturnState, lane: usize) -> f64 {
@@ -166,9 +167,19 @@ impl ReturnedPoints {
         points
     }
 
-    /// Stores stresses, moduli and energies of the block. Returns the number of deleted points.
+    /// Stores stresses, moduli and energies of the block. Returns the number of deleted points. The recoverable energy of a
+    /// stress is per current volume, so that the volume change of plastic flow takes a part of the plastic work; a law that
+    /// `holds_pressure` has the energy of the pressure per initial volume. Equation (20.2).
     #[inline(always)] // Likewise.
-    fn finish(&self, stress: &mut [Lanes; 4], strain: &StrainIncrement, update: &mut StressUpdate) -> usize {
+    fn finish(
+        &self,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+        holds_pressure: bool,
+    ) -> usize {
+        let [per_bulk, per_shear] =
+            [if holds_pressure { 0.0 } else { 0.5 / strain.moduli.bulk }, 0.5 / (3.0 * strain.moduli.shear)];
         let mut kept = 0.0;
         for l in 0..LANES {
             let (new, plastic) = (column(&self.stress, l), column(&self.plastic, l));
@@ -179,10 +190,15 @@ impl ReturnedPoints {
             // The force of a deleted element ends with its stress: its elastic energy and the work of the increment are lost.
             let is_kept = self.kept[l] > 0.0;
             let lost = self.lost[l] + if is_kept { 0.0 } else { work };
-            let flow = if is_kept { contraction(both, plastic) + self.compacted[l] } else { 0.0 };
-            update.dissipated[l] += volume * (flow + lost);
+            let flow = contraction(plastic, plastic);
+            let mean = TrialStress::of(both);
+            let recoverable = per_bulk * mean.pressure * mean.pressure + per_shear * mean.mises * mean.mises;
+            let dilation = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
+            let kept_by_volume = if flow > 0.0 { recoverable * dilation } else { 0.0 };
+            let spent = if is_kept { contraction(both, plastic) + self.compacted[l] - kept_by_volume } else { 0.0 };
+            update.dissipated[l] += volume * (spent + lost);
             update.damaged[l] += volume * lost;
-            update.flow[l] = contraction(plastic, plastic);
+            update.flow[l] = flow;
             let trial = mises(column(&update.deviator, l));
             let end = TrialStress::of(new);
             put_column(&mut update.plastic, l, plastic);

@@ -109,7 +109,7 @@ fn derived_row(model: &Model, material: MaterialId, report: &mut Report) {
     let Some(law) = material.cavity else { return };
     let Some(from) = law.derived else { return };
     let detail = format!(
-        "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, maximum deviation {:.2} % (at {}); quasi-static {:.4}{}",
+        "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, maximum deviation {:.2} % (at {}); quasi-static {}{}",
         material.name,
         law.yield_stress,
         law.a,
@@ -120,7 +120,7 @@ fn derived_row(model: &Model, material: MaterialId, report: &mut Report) {
         from.residual,
         100.0 * from.worst[0],
         from.worst[1],
-        from.still,
+        if from.still.is_nan() { "not defined".to_owned() } else { format!("{:.4}", from.still) },
         from.shape.ledger_note()
     );
     report.ledger_row(law.span, "derived resistance", 3, "constants", detail);

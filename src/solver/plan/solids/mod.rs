@@ -2,7 +2,6 @@
 
 pub mod averaging;
 pub mod cohesive;
-mod concrete;
 pub mod erosion;
 pub mod mass_scaling;
 pub mod ranges;

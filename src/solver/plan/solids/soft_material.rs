@@ -8,9 +8,10 @@ use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
 use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
+use crate::model::rates::rate_factor;
 use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RateDependence};
 use crate::plan::Report;
-use crate::plan::solids::solid_properties::{SolidProperties, rate_factor};
+use crate::plan::solids::solid_properties::SolidProperties;
 
 /// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475
 /// (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).

@@ -22,12 +22,13 @@ use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::user_eos::{EOS_TYPES, UserEos};
+use crate::model::rates::{blocks, rate_factor};
 use crate::model::{
     DamageEvolution, EosKind, FailedMaterial, FailureCriterion, HourglassMethod, MaterialDefinition, Model,
     PlasticityModel, PoreCompaction, RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
-use crate::plan::solids::solid_properties::{SolidProperties, blocks, rate_factor};
+use crate::plan::solids::solid_properties::SolidProperties;
 use crate::plan::solids::strength::{moduli_of_law, spalling_law, spalls, strength_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{GroupInput, Report};

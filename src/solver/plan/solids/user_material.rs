@@ -15,13 +15,13 @@ use crate::material::user::SubroutineMaterial;
 use crate::material::user::description::{
     BuiltInPlasticity, FieldElasticity, MOST_DEPENDENCIES, UserMaterialData, YieldOverFields, YieldSource,
 };
+use crate::model::rates::rate_factor;
 use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVariables};
 use crate::plan::queries::field_variables;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
     bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, yield_stress,
 };
-use crate::plan::solids::solid_properties::rate_factor;
 use crate::plan::{GroupInput, Report, Scene};
 use crate::user::{MaterialLaw, PointQuantity};
 

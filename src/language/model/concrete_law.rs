@@ -1,11 +1,11 @@
 //! Law of concrete damaged plasticity from its cards.
 
-use super::strength::{LawOrFault, StrengthFault, StrengthLaw, StrengthWarning, elasticity, fault};
+use super::strength_law::{LawOrFault, StrengthFault, StrengthLaw, StrengthWarning, elasticity, fault};
+use super::types::{ConcreteTensionDamage, ConcreteTensionStiffening, MaterialDefinition, StrengthCards, tangent};
 use crate::deck::Span;
 use crate::material::returns::concrete::{ConcreteDamagedPlasticity, ConcreteFailure};
 use crate::material::returns::concrete_return::ConcreteSurface;
 use crate::material::returns::concrete_tables::{ConcreteAbscissa, ConcreteTable};
-use crate::model::{ConcreteTensionDamage, ConcreteTensionStiffening, MaterialDefinition, StrengthCards, tangent};
 
 /// Builds the law for elements with lengths up to `longest`.
 pub fn concrete_law(material: &MaterialDefinition, longest: f64) -> LawOrFault {
