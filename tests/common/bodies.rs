@@ -127,6 +127,52 @@ pub fn between(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     }
 }
 
+/// External pressure on the ring of [`ring_on_shaft`].
+pub const PRESSURE: f64 = 1e-4;
+/// Pressure on the shaft over the external pressure, for a ring in plane stress with b = 2 a: 2 b^2/(a^2 + b^2 + nu
+/// (b^2 - a^2)).
+pub const LAME: f64 = 8.0 / 5.9;
+/// Duration of the pressure ramp.
+pub const RAMP: f64 = 60.0;
+/// Deceleration of the ring for a friction coefficient of 1: it has a mass of 3 pi and a contact area of 2 pi.
+pub const PER_COEFFICIENT: f64 = LAME * PRESSURE * 2.0 / 3.0;
+
+/// Returns a straight rigid line of `facets` facets.
+pub fn straight_line(name: &str, from: [f64; 2], to: [f64; 2], facets: usize) -> String {
+    let part = |i: usize| i as f64 / facets as f64;
+    let corners: Vec<_> = (0..=facets).map(|i| [0, 1].map(|k| from[k] + part(i) * (to[k] - from[k]))).collect();
+    rigid_line(name, &corners, "")
+}
+
+pub fn rigid_body(name: &str) -> String {
+    format!("*Rigid Body, ref node={name}.REF, elset={name}.E\n")
+}
+
+/// Returns the deck of a ring from radius 1 to 2 and of length 1, pressed on a rigid shaft by an external pressure, with an
+/// initial axial velocity. `friction` are the cards of the interaction.
+pub fn ring_on_shaft(cells: usize, friction: &str, speed: f64, time: f64) -> String {
+    part("RING", [cells; 2], |i, j| [1.0 + i as f64 / cells as f64, j as f64 / cells as f64], "")
+        + &straight_line("SHAFT", [1.0, 3.0], [1.0, -1.0], 4 * cells)
+        + &assembly(&["RING", "SHAFT"], &rigid_body("SHAFT"))
+        + &elastic("RING", [1.0, 0.3, 1.0], "")
+        + &format!(
+            "*Surface Interaction, name=DRY\n{friction}*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., {RAMP}, 1.\n"
+        )
+        + &format!(
+            "*Initial Conditions, type=VELOCITY\n RING.ALL, 2, {speed:e}\n*Step\n*Dynamic, Explicit\n , {time}\n"
+        )
+        + &format!("*Boundary\n SHAFT.REF, 2, 2\n*Dsload, amplitude=RAMP\n RING.I1, P, {PRESSURE:e}\n")
+        + "*Contact Pair, interaction=DRY\n RING.I0, SHAFT.SKIN\n*Output, field, number interval=100\n*Node Output\n V, U\n\
+           *Output, history, number interval=100\n*Energy Output\n ALLKE, ALLFD, ALLCW\n*End Step\n"
+}
+
+/// Returns the mean axial velocity of the ring of [`ring_on_shaft`] over time.
+pub fn mean_velocities(ran: &DeckRun) -> Vec<[f64; 2]> {
+    let nodes = ran.nodes("RING");
+    let mass: f64 = nodes.iter().map(|n| ran.state.dofs.nodes.mass[n[1]]).sum();
+    ran.memory.frames.iter().map(|f| [f.time, ran.momentum_of(&nodes, f) / mass]).collect()
+}
+
 /// Returns two bodies with adaptive meshes in contact: a copper shell with a spherical end of the radius 5 hits an aluminium
 /// block at 100 m/s (t, mm, s). `interaction` are the cards of the contact, `cards` those of the step, which may name the sets
 /// PUNCH.SOLID and BLOCK.SOLID. Both bodies are free, and have `n` elements along the block.

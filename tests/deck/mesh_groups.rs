@@ -75,6 +75,8 @@ fn all_formats_have_the_same_elements_sets_and_surfaces() {
         ("shells.inp", &words("B31", "S4", "S3R")),
         ("rigid.inp", &words("RAX2", "R3D4", "STRI3")),
         ("a.vtk", LEGACY),
+        ("bytes.vtk", &LEGACY.replace("1 3 double", "1 3 signed_char")),
+        ("shorts.vtk", &LEGACY.replace("1 3 double", "1 3 unsigned_short")),
         ("a.vtu", VTU),
     ] {
         let (model, _) = built(name, text, "");
@@ -93,6 +95,37 @@ fn all_formats_have_the_same_elements_sets_and_surfaces() {
         let of_face = [nodes[face as usize - 1], nodes[face as usize % nodes.len()]];
         assert_eq!((element, of_face.iter().min(), of_face.iter().max()), (0, Some(&0), Some(&1)), "{name}");
     }
+}
+
+/// The middle point of an edge of second order is the second or the third one; the edge is a surface and no element.
+#[test]
+fn edges_of_second_order_are_found_in_any_order() {
+    for edge in ["1, 4, 2", "1, 2, 4", "2, 4, 1"] {
+        let text = format!(
+            "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 0., 1.\n4, 0.5, 0.\n5, 0.5, 0.5\n6, 0., 0.5\n*ELEMENT, TYPE=T3D3, ELSET=FOOT\n \
+             7, {edge}\n*ELEMENT, TYPE=CPS6, ELSET=BODY\n 8, 1, 2, 3, 4, 5, 6\n"
+        );
+        let (model, _) = built("gmsh.inp", &text, "");
+        assert_eq!(model.mesh.elements.len(), 1, "{edge}");
+        // A side of a six-node triangle has two faces.
+        assert_eq!(model.surfaces.faces["FOOT"].faces, [1, 2].map(|face| (0, ElementSide::Face(face))), "{edge}");
+        assert_eq!(model.node_sets["FOOT"].members.len(), 3, "{edge}");
+    }
+}
+
+/// Rounding errors of a turned mesh are removed; so are points outside the half-plane that nothing uses. A mesh of another plane is
+/// an error that says how to turn it.
+#[test]
+fn rounding_errors_and_unused_points_are_removed() {
+    let (expected, _) = built("a.inp", &words("T3D2", "CPS4", "CPS3"), "");
+    let turned = words("T3D2", "CPS4", "CPS3").replace("1, 0., 0., 0.\n", "99, -3., 0., 7.\n1, -1e-17, 0., 2.2e-16\n");
+    let (model, _) = built("turned.inp", &turned, "");
+    assert_eq!(model.mesh.points, expected.mesh.points);
+    assert_eq!(elements(&model), elements(&expected));
+    assert_eq!(model.node_sets["TIP"].members, expected.node_sets["TIP"].members);
+    let used = words("T3D2", "CPS4", "CPS3").replace("1, 0., 0., 0.\n", "1, 0., 0., 1.e-3\n");
+    let (_, messages) = read("used.inp", &used, "");
+    assert!(messages.contains("M126") && messages.contains("turn a mesh of the plane y = 0"), "{messages}");
 }
 
 #[test]

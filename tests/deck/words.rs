@@ -16,9 +16,10 @@ use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job;
 use revolve::solve;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, EosLaw, EosResponse, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall,
-    LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, Routines,
-    UserAmplitude, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
+    AmplitudeAnswer, AmplitudeCall, EosLaw, EosResponse, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer,
+    HardeningCall, LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
+    Routines, UserAmplitude, UserFields, UserFriction, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
+    UserNodalFields,
 };
 
 /// Returns every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
@@ -160,6 +161,17 @@ impl UserFields for TestSubroutines {
     }
 }
 
+/// Returns Coulomb friction with the sum of the constants plus a tenth of the number of state variables.
+impl UserFriction for TestSubroutines {
+    fn friction(&mut self, call: &FrictionCall<'_>, forces: &mut [f64], _: &mut [f64]) -> Result<(), LoadFailure> {
+        let coefficient = call.properties.iter().sum::<f64>() + 0.1 * call.variables as f64;
+        for (point, force) in forces.chunks_mut(2).enumerate() {
+            force[0] = -(coefficient * call.normal[point]).min(call.stick[point]);
+        }
+        Ok(())
+    }
+}
+
 /// Sets variables to half of their number.
 impl UserNodalFields for TestSubroutines {
     fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure> {
@@ -186,7 +198,7 @@ fn results(folder: &Path, text: &str) -> String {
         .with_material(TestSubroutines)
         .with_eos("METAL", TestSubroutines);
     let routines = routines.with_hardening(TestSubroutines).with_fields(TestSubroutines).with_lengths(TestSubroutines);
-    let routines = routines.with_nodal_fields(TestSubroutines);
+    let routines = routines.with_nodal_fields(TestSubroutines).with_friction(TestSubroutines);
     let name = folder.join("pair.inp");
     let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
     let mut message_text = String::new();

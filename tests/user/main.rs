@@ -19,6 +19,7 @@ mod deformable;
 mod examples;
 mod fields;
 mod foundation;
+mod friction;
 mod hardening;
 mod in_the_wild;
 mod isolate;

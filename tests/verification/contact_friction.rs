@@ -6,50 +6,14 @@
 
 use revolve::output::OutputFrame;
 
-use crate::common::bodies::{DeckRun, assembly, elastic, part, point_field, rigid_line, run};
+use crate::common::bodies::{
+    DeckRun, LAME, PER_COEFFICIENT, PRESSURE, RAMP, assembly, elastic, mean_velocities, part, point_field, rigid_body,
+    ring_on_shaft, run, straight_line,
+};
 
-const PRESSURE: f64 = 1e-4;
-/// Pressure on the shaft over the external pressure, for a ring in plane stress with b = 2 a: 2 b^2/(a^2 + b^2 + nu
-/// (b^2 - a^2)).
-const LAME: f64 = 8.0 / 5.9;
-/// Duration of the pressure ramp.
-const RAMP: f64 = 60.0;
-
-/// Returns a straight rigid line of `facets` facets.
-fn straight_line(name: &str, from: [f64; 2], to: [f64; 2], facets: usize) -> String {
-    let part = |i: usize| i as f64 / facets as f64;
-    let corners: Vec<_> = (0..=facets).map(|i| [0, 1].map(|k| from[k] + part(i) * (to[k] - from[k]))).collect();
-    rigid_line(name, &corners, "")
-}
-
-fn rigid_body(name: &str) -> String {
-    format!("*Rigid Body, ref node={name}.REF, elset={name}.E\n")
-}
-
-/// Runs a ring from radius 1 to 2 and of length 1, pressed on a rigid shaft by an external pressure, with an initial
-/// axial velocity.
+/// Runs a ring on a rigid shaft.
 fn run_ring(cells: usize, friction: &str, speed: f64, time: f64) -> DeckRun {
-    let deck = part("RING", [cells; 2], |i, j| [1.0 + i as f64 / cells as f64, j as f64 / cells as f64], "")
-        + &straight_line("SHAFT", [1.0, 3.0], [1.0, -1.0], 4 * cells)
-        + &assembly(&["RING", "SHAFT"], &rigid_body("SHAFT"))
-        + &elastic("RING", [1.0, 0.3, 1.0], "")
-        + &format!(
-            "*Surface Interaction, name=DRY\n{friction}*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., {RAMP}, 1.\n"
-        )
-        + &format!(
-            "*Initial Conditions, type=VELOCITY\n RING.ALL, 2, {speed:e}\n*Step\n*Dynamic, Explicit\n , {time}\n"
-        )
-        + &format!("*Boundary\n SHAFT.REF, 2, 2\n*Dsload, amplitude=RAMP\n RING.I1, P, {PRESSURE:e}\n")
-        + "*Contact Pair, interaction=DRY\n RING.I0, SHAFT.SKIN\n*Output, field, number interval=100\n*Node Output\n V, U\n\
-           *Output, history, number interval=100\n*Energy Output\n ALLKE, ALLFD, ALLCW\n*End Step\n";
-    run(&deck).whole()
-}
-
-/// Returns the mean axial velocity over time.
-fn mean_velocities(ran: &DeckRun) -> Vec<[f64; 2]> {
-    let nodes = ran.nodes("RING");
-    let mass: f64 = nodes.iter().map(|n| ran.state.dofs.nodes.mass[n[1]]).sum();
-    ran.memory.frames.iter().map(|f| [f.time, ran.momentum_of(&nodes, f) / mass]).collect()
+    run(&ring_on_shaft(cells, friction, speed, time)).whole()
 }
 
 /// Returns the slope of a straight line through the points between two times.
@@ -60,9 +24,6 @@ fn slope(points: &[[f64; 2]], from: f64, to: f64) -> f64 {
     let above: f64 = part.iter().map(|p| (p[0] - t) * (p[1] - v)).sum();
     above / part.iter().map(|p| (p[0] - t) * (p[0] - t)).sum::<f64>()
 }
-
-/// Deceleration for a friction coefficient of 1: the ring has a mass of 3 pi and a contact area of 2 pi.
-const PER_COEFFICIENT: f64 = LAME * PRESSURE * 2.0 / 3.0;
 
 /// The deceleration is constant at constant pressure, then the contact face sticks, and ALLFD is the initial kinetic
 /// energy.

@@ -46,33 +46,90 @@ fn laminate(layers: &[(f64, f64)]) -> String {
     format!("*Shell section, elset=SHELL, composite\n{lines}")
 }
 
+/// Radius of the cylinder, and internal pressure.
+const CYLINDER: (f64, f64) = (0.1, 1e4);
+
+/// Returns axial strain and hoop strain of a free cylinder under internal pressure, for layers of the lamina.
+fn cylinder_strains(layers: &[(f64, f64)]) -> [f64; 2] {
+    let mut a = [0.0; 3];
+    for (thickness, angle) in layers {
+        lamina_stiffness(*angle).iter().zip(&mut a).for_each(|(q, sum)| *sum += q * thickness);
+    }
+    let (determinant, (radius, p)) = (a[0] * a[2] - a[1] * a[1], CYLINDER);
+    [-a[1], a[0]].map(|factor| p * radius * factor / determinant)
+}
+
+/// Returns the deck of a free cylinder under internal pressure with this section.
+fn pressed_cylinder(section: &str) -> String {
+    let places: Vec<[f64; 2]> = (0..=4).map(|i| [CYLINDER.0, 0.005 * f64::from(i)]).collect();
+    shell_line(&places, section, "")
+        + LAMINA
+        + "*Boundary\n A, YSYMM\n B, 6\n"
+        + &smooth_amplitude(4e-3)
+        + &step(
+            5e-3,
+            // The normal of a cylinder whose elements run upward points inward.
+            &format!("*Dload, amplitude=SLOWLY\n SHELL, P, {:e}\n", -CYLINDER.1),
+            "*Node output, nset=B\n U1, U2\n*Element output, elset=E1\n S, S_SPOS, S_SNEG, SE, SF, LE\n*Energy output\n ETOTAL, ALLWK\n",
+        )
+}
+
+/// Orientations of the section and of layers give the strains of laminate theory for the resulting angles, and the rows of
+/// layers with these angles: rotations about the normal after projection, the hoop as direction 1, points with an origin.
+#[test]
+fn orientations_of_layers_match_laminate_theory() {
+    let along = |name: &str, line: &str| format!("*Orientation, name={name}\n 0., 1., 0., -1., 0., 0.\n{line}");
+    let section = |more: &str, angles: [&str; 4]| {
+        let lines: String = angles.iter().map(|angle| format!(" 5e-4, 3, CARBON, {angle}\n")).collect();
+        format!("*Shell section, elset=SHELL, composite{more}\n{lines}")
+    };
+    let moved = "*Orientation, name=ORI-2, system=RECTANGULAR\n 5., 8., 0., 4., 7., 0., 5., 7., 0.\n 3, -30.\n";
+    let decks = [
+        along("SKIN", " 3, 30.\n") + &section(", orientation=SKIN", ["0.", "-60.", "-60.", ""]),
+        along("A", " 3, 30.\n") + moved + &section("", ["A", "ORI-2", "ORI-2", "A"]),
+        // Direction 1 is the hoop before the rotation by -60 degrees.
+        along("HOOP", " 2, -60.\n") + &section("", ["HOOP", "-30.", "-30.", "HOOP"]),
+        "*Orientation, name=UP\n 1., 0., 0., 0., 1., 0.\n 1, 30.\n".to_owned()
+            + &section(", orientation=UP", ["", "-60.", "-60.", "0."]),
+    ];
+    let angles = [30.0, -30.0, -30.0, 30.0].map(|angle| (5e-4, angle));
+    let [axial, hoop] = cylinder_strains(&angles);
+    let (_, expected) = run(&pressed_cylinder(&laminate(&angles)));
+    for cards in decks {
+        let text = pressed_cylinder(&cards);
+        let (outcome, memory) = run(&text);
+        assert_eq!(outcome.halt, None);
+        let value = |name: &str| static_value(&text, &memory, name);
+        assert_close("radius", value("U1@B") / CYLINDER.0, hoop, 1e-3);
+        assert_close("length", value("U2@B") / 0.02, axial, 2e-3);
+        assert_eq!(memory.rows.last(), expected.rows.last(), "{cards}");
+    }
+    for (cards, part) in [
+        // The default projects direction 2, which is normal to the cylinder.
+        (along("SKIN", "") + &section(", orientation=SKIN", [""; 4]), "no direction along shell element"),
+        (along("SKIN", " 4, 30.\n") + &section(", orientation=SKIN", [""; 4]), "is 1, 2 or 3, found 4"),
+        (section("", ["MISSING", "", "", ""]), "there is no orientation `MISSING`"),
+        ("*Orientation, name=A\n 0., 1., 1., 1., 0., 0.\n".to_owned() + &section("", ["A"; 4]), "span the r-z plane"),
+        (along("A", "").replace("name=A", "name=A, system=CYLINDRICAL") + &section("", ["A"; 4]), "SYSTEM=RECTANGULAR"),
+    ] {
+        let prepared = job::prepare_text("test.inp", &pressed_cylinder(&cards), &[], &Routines::none());
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(prepared.diagnostics.has_errors() && text.contains(part), "{cards}{text}");
+    }
+}
+
 /// Free cylinders under internal pressure: hoop strain p R A11 / (A11 A22 - A12²), stress of each layer from the strains.
 #[test]
 fn laminated_cylinder_under_pressure_matches_laminate_theory() {
-    let (radius, p) = (0.1, 1e4);
+    let (radius, p) = CYLINDER;
     for layers in [
         &[(1e-3, 0.0)][..],
         &[(1e-3, 90.0)],
         &[(5e-4, 0.0), (5e-4, 90.0), (5e-4, 90.0), (5e-4, 0.0)],
         &[(5e-4, 30.0), (5e-4, -30.0), (5e-4, -30.0), (5e-4, 30.0)],
     ] {
-        let mut a = [0.0; 3];
-        for (thickness, angle) in layers {
-            lamina_stiffness(*angle).iter().zip(&mut a).for_each(|(q, sum)| *sum += q * thickness);
-        }
-        let determinant = a[0] * a[2] - a[1] * a[1];
-        let [axial, hoop] = [-a[1], a[0]].map(|factor| p * radius * factor / determinant);
-        let places: Vec<[f64; 2]> = (0..=4).map(|i| [radius, 0.005 * f64::from(i)]).collect();
-        let text = shell_line(&places, &laminate(layers), "")
-            + LAMINA
-            + "*Boundary\n A, YSYMM\n B, 6\n"
-            + &smooth_amplitude(4e-3)
-            + &step(
-                5e-3,
-                // The normal of a cylinder whose elements run upward points inward.
-                &format!("*Dload, amplitude=SLOWLY\n SHELL, P, {:e}\n", -p),
-                "*Node output, nset=B\n U1, U2\n*Element output, elset=E1\n S, S_SPOS, S_SNEG, SE, SF, LE\n*Energy output\n ETOTAL, ALLWK\n",
-            );
+        let [axial, hoop] = cylinder_strains(layers);
+        let text = pressed_cylinder(&laminate(layers));
         let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
         let value = |name: &str| static_value(&text, &memory, name);

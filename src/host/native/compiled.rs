@@ -11,12 +11,12 @@ use libloading::os::unix::Library;
 use super::call::{self, ActiveCall};
 use super::host::{self, MessageLevel};
 use super::host_routines::ended;
-use super::subroutines::{self, AmplitudeArrays, ArgumentKind, DOFS, MaterialArrays, NAME, interface};
+use super::subroutines::{self, AmplitudeArrays, ArgumentKind, DOFS, FrictionArrays, MaterialArrays, NAME, interface};
 use super::{
-    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall,
-    LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, RunAction,
-    UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
-    UserNodalFields, crash, guard,
+    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer,
+    HardeningCall, LengthCall, LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall,
+    NodalFieldCall, RunAction, UserAmplitude, UserEvents, UserFields, UserFriction, UserHardening, UserLengths,
+    UserLoad, UserMaterial, UserMotion, UserNodalFields, crash, guard,
 };
 use revolve_numerics::state::Instant;
 
@@ -234,6 +234,16 @@ impl UserNodalFields for CompiledRoutine<subroutines::Vufield, ()> {
         self.enter(&context, "", |function, _, ()| {
             // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vufield(function, call, values) }
+        })
+    }
+}
+
+impl UserFriction for CompiledRoutine<subroutines::Vfriction, FrictionArrays> {
+    fn friction(&mut self, call: &FrictionCall<'_>, forces: &mut [f64], state: &mut [f64]) -> Result<(), LoadFailure> {
+        let context = ActiveCall::new("vfriction", call.interaction, call.now);
+        self.enter(&context, call.interaction, |function, name, arrays| {
+            // SAFETY: each array has the length given by the counts.
+            unsafe { subroutines::vfriction(function, call, name, arrays, forces, state) }
         })
     }
 }

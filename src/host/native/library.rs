@@ -10,7 +10,8 @@ use super::compile::SharedLibrary;
 use super::compiled::{CompiledRoutine, MaterialAxes, RestartFollows, WatchInvalid};
 use super::memory::{LibraryMemory, RoutineMemory, bases};
 use super::subroutines::{
-    MaterialArrays, Vdisp, Vdload, Vexternaldb, Vuamp, Vucharlength, Vufield, Vuhard, Vumat, Vusdfld,
+    FrictionArrays, MaterialArrays, Vdisp, Vdload, Vexternaldb, Vfriction, Vuamp, Vucharlength, Vufield, Vuhard, Vumat,
+    Vusdfld,
 };
 use super::{PersistentMemory, ROUTINES, Routines, UncallableRoutine, crash, guard, host};
 use revolve_diagnostics::whole::ScratchFolder;
@@ -55,6 +56,7 @@ pub(super) fn open(
         "vuhard": Vuhard, () => with_hardening;
         "vusdfld": Vusdfld, MaterialAxes::default() => with_fields;
         "vufield": Vufield, () => with_nodal_fields;
+        "vfriction": Vfriction, FrictionArrays::default() => with_friction;
         "vucharlength": Vucharlength, MaterialAxes::default() => with_lengths;
         "vexternaldb": Vexternaldb, RestartFollows::default() => with_events;
     }
@@ -105,7 +107,6 @@ const UNSUPPORTED: &[&str] = &[
     "vdflux",
     "vfilm",
     "vfric",
-    "vfriction",
     "vfric_coef",
     "vfabric",
     "vhetval",

@@ -5,8 +5,8 @@
 use std::ffi::c_char;
 
 use super::{
-    AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadPoints, MAX_MATERIAL_BLOCK,
-    MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
+    AmplitudeCall, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer, HardeningCall, LengthCall, LoadPoints,
+    MAX_BLOCK, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
 };
 
 /// Kind of an argument, and whether the subroutine writes a result there.
@@ -100,7 +100,8 @@ fn int(count: usize) -> i32 {
 }
 
 // ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
-// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016), "VUFIELD" (2024).
+// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016), "VUFIELD" (2024),
+// "VFRICTION" (2017).
 subroutines! {
     /// Subroutine VDLOAD, which returns the pressures of a load.
     vdload: Vdload(points: &LoadPoints<'_>, name: *const c_char, pressure: &mut [f64]) [NAME] {
@@ -270,6 +271,49 @@ subroutines! {
         v: Real = call.motion[1].as_ptr(),
         a: Real = call.motion[2].as_ptr(),
     }
+    /// Subroutine VFRICTION, which returns friction forces. Vectors have three components, as in analyses in three dimensions.
+    /// Each point faces one place of the opposite surface, which is no node; there are no temperatures and fields.
+    vfriction: Vfriction(call: &FrictionCall<'_>, name: *const c_char, more: &FrictionArrays, forces: &mut [f64], state: &mut [f64]) [NAME, NAME, NAME] {
+        fTangential: RealResult = forces.as_mut_ptr(),
+        state: RealResult = state.as_mut_ptr(),
+        nBlock: Integer = &int(call.nodes.len()),
+        nBlockAnal: Integer = &int(call.nodes.len()),
+        nBlockEdge: Integer = &1,
+        nNodState: Integer = &1,
+        nNodSlv: Integer = &1,
+        nNodMst: Integer = &1,
+        nFricDir: Integer = &2,
+        nDir: Integer = &3,
+        nStates: Integer = &int(call.variables),
+        nProps: Integer = &int(call.properties.len()),
+        nTemp: Integer = &0,
+        nFields: Integer = &0,
+        jFlags: Integer = [call.now.step as i32, call.now.increment.try_into().unwrap_or(i32::MAX), 1].as_ptr(),
+        rData: Real = [call.now.step_time, call.now.total_time, call.dt, call.friction_work].as_ptr(),
+        surfInt: Character = name,
+        surfSlv: Character = more.blanks.as_ptr().cast(),
+        surfMst: Character = more.blanks.as_ptr().cast(),
+        jConSlvUid: Integer = call.nodes.as_ptr(),
+        jConMstUid: Integer = more.no_nodes.as_ptr(),
+        props: Real = call.properties.as_ptr(),
+        dSlipFric: Real = call.slip.as_ptr(),
+        fStickForce: Real = call.stick.as_ptr(),
+        fTangPrev: Real = call.previous.as_ptr(),
+        fNormal: Real = call.normal.as_ptr(),
+        areaCont: Real = call.area.as_ptr(),
+        dircosN: Real = call.directions[0].as_ptr(),
+        dircosSl: Real = call.directions[1].as_ptr(),
+        shapeSlv: Real = more.ones.as_ptr(),
+        shapeMst: Real = more.ones.as_ptr(),
+        coordSlv: Real = call.coordinates[0].as_ptr(),
+        coordMst: Real = call.coordinates[1].as_ptr(),
+        velSlv: Real = call.velocities[0].as_ptr(),
+        velMst: Real = call.velocities[1].as_ptr(),
+        tempSlv: Real = more.unknown.as_ptr(),
+        tempMst: Real = more.unknown.as_ptr(),
+        fieldSlv: Real = more.unknown.as_ptr(),
+        fieldMst: Real = more.unknown.as_ptr(),
+    }
     /// Subroutine VUCHARLENGTH, which returns characteristic lengths. `jElType` begins with the shape: 2 is a triangle,
     /// 3 a quadrilateral.
     vucharlength: Vucharlength(call: &LengthCall<'_>, name: *const c_char, axes: *const f64, lengths: &mut [f64]) [NAME] {
@@ -333,6 +377,27 @@ pub struct AmplitudeArrays {
     pub define: [i32; 8],
     /// Time derivative of the amplitude, set by the subroutine (`ampDerivative`).
     pub derivative: f64,
+}
+
+/// Arguments of VFRICTION with the same values in each call.
+pub struct FrictionArrays {
+    /// Names of surfaces, which are blank, as in general contact.
+    blanks: [u8; 512],
+    no_nodes: [i32; MAX_BLOCK],
+    ones: [f64; MAX_BLOCK],
+    /// NaN for temperatures and fields.
+    unknown: [f64; MAX_BLOCK],
+}
+
+impl Default for FrictionArrays {
+    fn default() -> Self {
+        FrictionArrays {
+            blanks: [b' '; 512],
+            no_nodes: [0; MAX_BLOCK],
+            ones: [1.0; MAX_BLOCK],
+            unknown: [f64::NAN; MAX_BLOCK],
+        }
+    }
 }
 
 /// Integer and time arguments of VUMAT.

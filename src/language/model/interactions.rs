@@ -1,12 +1,17 @@
 //! Surface interactions: `*SURFACE INTERACTION`, `*FRICTION`, `*SURFACE BEHAVIOR`, `*GAP CONDUCTANCE`,
 //! `*GAP HEAT GENERATION` (ABAQUS Keywords Reference Guide).
 
+use std::sync::Arc;
+
 use super::contact;
 use super::context::Context;
 use super::families::MaterialReader;
 use super::faults::{ValueCheck, require};
 use super::names::upper;
-use super::types::{ContactDamping, CoulombFriction, InteractionLaw, PressureOverclosure, SurfaceInteraction};
+use super::types::{
+    ContactDamping, CoulombFriction, FrictionRoutine, InteractionLaw, PressureOverclosure, SurfaceInteraction,
+};
+use super::user_material::constants;
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic};
 
@@ -29,14 +34,37 @@ fn last_law<'c>(context: &'c mut Context<'_>) -> Option<&'c mut InteractionLaw> 
 
 pub fn read_friction(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
+    let routine = friction_routine(context, card);
     if let (Some(friction), Some(law)) = (friction_law(context, card), last_law(context)) {
-        law.friction = friction;
+        (law.friction, law.friction_routine) = (friction, routine);
     }
 }
 
+/// Index of the value `COEFFICIENT` of `USER` in the keyword table.
+const COEFFICIENT: usize = 2;
+
+/// Returns the user subroutine of `*FRICTION, USER`.
+fn friction_routine(context: &mut Context<'_>, card: &Card) -> Option<Arc<FrictionRoutine>> {
+    let cards::Friction { user, variables, .. } = card.values();
+    if user == COEFFICIENT {
+        let help = "give USER, and a subroutine VFRICTION that returns -min(mu*fNormal, fStickForce)";
+        return context.refuse_unsupported(card.span, "user subroutine VFRIC_COEF is not supported", help);
+    }
+    if user == 0 {
+        return None;
+    }
+    let properties = constants(context, card, "PROPERTIES")?;
+    let interaction = context.model.interactions.last()?.name.clone();
+    Some(Arc::new(FrictionRoutine { interaction, properties, variables }))
+}
+
 fn friction_law(context: &mut Context<'_>, card: &Card) -> Option<CoulombFriction> {
-    let cards::Friction { largest, rough, decays, damping, values: [at_rest, sliding, decay] } = card.values();
-    let mut friction = if rough {
+    let cards::Friction { largest, rough, decays, damping, user, values: [at_rest, sliding, decay], .. } =
+        card.values();
+    let mut friction = if user != 0 {
+        // The subroutine limits the friction.
+        CoulombFriction::of(f64::INFINITY)
+    } else if rough {
         if let Some(word) = card.lines.first().and_then(|line| line.field(0)) {
             context.report_surplus(word, "ROUGH has no coefficient");
         }

@@ -60,6 +60,14 @@ pub(super) struct PlaneMesh {
 /// Largest number of points of a cell.
 const MOST_POINTS: usize = 6;
 
+/// Rounding errors of coordinates, as a fraction of the largest one.
+const ROUNDING: f64 = 1e-12;
+
+/// Returns whether a point is in the half-plane of the model.
+pub fn is_in_half_plane(&[x, y, z]: &[f64; 3]) -> bool {
+    z == 0.0 && x >= 0.0 && x.is_finite() && y.is_finite()
+}
+
 /// Faces of the elements by the two corners of each.
 struct EdgeMap(HashMap<[usize; 2], EdgeOwner>);
 
@@ -85,9 +93,12 @@ impl EdgeMap {
         EdgeMap(owners)
     }
 
-    /// Returns the owner of a line, if it is an edge of a face.
+    /// Returns the owner of a line, if it is an edge of a face. The middle point of a line of second order may be anywhere in
+    /// its list: Gmsh writes it second in .inp files and third in .msh files.
     fn owner(&self, line: &MeshCell) -> Option<EdgeOwner> {
-        (line.dimension == 1).then(|| self.0.get(&sorted([line.points[0], line.points[1]])).copied())?
+        let ends = [[0, 1], [0, 2], [1, 2]].into_iter().filter(|_| line.dimension == 1);
+        let points = ends.filter_map(|[a, b]| Some(sorted([*line.points.get(a)?, *line.points.get(b)?])));
+        points.filter_map(|edge| self.0.get(&edge).copied()).next()
     }
 }
 
@@ -137,6 +148,7 @@ impl ListedMesh {
     /// The reason if there are no cells, or cells that are no elements of the r-z plane.
     pub fn in_plane(mut self) -> Result<PlaneMesh, String> {
         self.check_cells()?;
+        self.forget_unused_points();
         let representatives = self.representatives();
         let repeated_cells = representatives.iter().enumerate().filter(|(index, first)| index != *first).count();
         let has_groups_of_edges = !self.is_complete && self.cells.iter().any(|cell| cell.dimension == 1);
@@ -161,6 +173,36 @@ impl ListedMesh {
         (mesh.points, mesh.point_labels) = (self.points, self.point_labels);
         mesh.turn_clockwise_elements();
         Ok(mesh)
+    }
+
+    /// Removes points outside the half-plane that no cell and no group has, such as centres of arcs; rounding errors of
+    /// coordinates at its boundary become zero.
+    fn forget_unused_points(&mut self) {
+        let size = self.points.iter().flatten().filter(|x| x.is_finite()).fold(0.0_f64, |size, x| size.max(x.abs()));
+        for [x, _, z] in &mut self.points {
+            if z.abs() <= ROUNDING * size {
+                *z = 0.0;
+            }
+            if *x < 0.0 && *x >= -ROUNDING * size {
+                *x = 0.0;
+            }
+        }
+        let mut is_used = vec![false; self.points.len()];
+        let of_cells = self.cells.iter().flat_map(|cell| &cell.points);
+        of_cells.chain(self.point_groups.values().flatten()).for_each(|&point| is_used[point] = true);
+        let is_kept = |point: usize| is_used[point] || is_in_half_plane(&self.points[point]);
+        let kept: Vec<usize> = (0..self.points.len()).filter(|&point| is_kept(point)).collect();
+        if kept.len() == self.points.len() {
+            return;
+        }
+        let mut new_indices = vec![usize::MAX; self.points.len()];
+        kept.iter().enumerate().for_each(|(new, &old)| new_indices[old] = new);
+        self.points = kept.iter().map(|&point| self.points[point]).collect();
+        self.point_labels = kept.iter().map(|&point| self.point_labels[point]).collect();
+        self.cells.iter_mut().flat_map(|cell| &mut cell.points).for_each(|point| *point = new_indices[*point]);
+        for members in self.point_groups.values_mut() {
+            *members = members.iter().map(|point| new_indices[*point]).collect();
+        }
     }
 
     fn check_cells(&self) -> Result<(), String> {

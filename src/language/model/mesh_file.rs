@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::context::Context;
 use super::families::MeshReader;
-use super::mesh_data::{MeshCell, PlaneMesh};
+use super::mesh_data::{MeshCell, PlaneMesh, is_in_half_plane};
 use super::names::{SetKind, qualified};
 use super::types::{ElementKind, ElementSide, ElementSurface};
 use super::vtk_mesh::is_mesh_array;
@@ -81,12 +81,14 @@ pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &C
 }
 
 fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &PlaneMesh, kind: Option<ElementKind>, span: Span) {
-    let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
-    if let Some(i) = file.points.iter().position(|p| !in_plane(p)) {
+    if let Some(i) = file.points.iter().position(|point| !is_in_half_plane(point)) {
         let [x, y, z] = file.points[i];
         let message = format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half-plane z = 0, x >= 0");
         let diagnostic = Diagnostic::error("M126", message).at(span, "this mesh");
-        return context.diagnostics.push(diagnostic.help("x of the file is r, and y is z of the axisymmetric model"));
+        return context.diagnostics.push(diagnostic.help(
+            "x of the file is r, and y is z of the axisymmetric model: turn a mesh of the plane y = 0 by 90 degrees about x \
+             before it is saved",
+        ));
     }
     let node_offset = label_offset(context, SetKind::Nodes, file.point_labels.iter().copied(), span);
     let element_labels = file.elements.iter().map(|cell| cell.label);

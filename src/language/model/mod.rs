@@ -59,6 +59,7 @@ mod names;
 mod nodes;
 mod ogden_fit;
 mod order;
+mod orientations;
 mod outputs;
 mod parts;
 mod placement;

@@ -9,8 +9,8 @@ use super::types::{
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
     controls, copies, elements, eos, equations, erosion, expressions, failure, fields, general_contact, heading,
-    heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, outputs, parts, rubber,
-    rubber_fit, sets, shells, steps, surfaces, targets, user_material,
+    heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, orientations, outputs, parts,
+    rubber, rubber_fit, sets, shells, steps, surfaces, targets, user_material,
 };
 use crate::deck::table::{materials as cards, strength};
 use crate::deck::{Card, Span};
@@ -93,6 +93,7 @@ static READERS: &[CardReader] = readers! {
     "DAMAGE STABILIZATION" => failure::read_damage_stabilization(context, materials);
     "PHYSICAL CONSTANTS" => eos::read_physical_constants(context);
     always "SOLID SECTION" => materials::read_solid_section(context, sections);
+    "ORIENTATION" => orientations::read_orientation(context);
     always "SHELL SECTION" => shells::read_shell_section(context, sections);
     always "COHESIVE SECTION" => cohesive::read_cohesive_section(context, sections);
     always "SECTION CONTROLS" => controls::read_section_controls(context, sections);

@@ -4,18 +4,20 @@ use super::context::Context;
 use super::families::SectionReader;
 use super::faults::{ValueCheck, ValueFault, require, require_line};
 use super::materials;
+use super::orientations;
 use super::types::{ElementKind, ShellLayer, ShellSection, ShellThinning};
-use crate::deck::Card;
 use crate::deck::table::materials as cards;
+use crate::deck::{Card, Word};
 
 /// Field of the material on a data line of `COMPOSITE`, and of the angle.
 const MATERIAL_FIELD: usize = 2;
-const ANGLE_FIELD: usize = 3;
+pub const ANGLE_FIELD: usize = 3;
 
 pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let values: cards::ShellSection = card.values();
-    let Some(mut layers) = layers(context, card, &values) else { return };
-    let Some(elements) = materials::elements_of_section(context, sections, card, ElementKind::is_shell) else { return };
+    let elements = materials::elements_of_section(context, sections, card, ElementKind::is_shell);
+    let Some(mut layers) = layers(context, card, &values, elements.as_deref().unwrap_or_default()) else { return };
+    let Some(elements) = elements else { return };
     if values.symmetric {
         layers.extend_from_within(..);
         let given = layers.len() / 2;
@@ -27,10 +29,17 @@ pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReade
 }
 
 /// Returns the layers of a section; the only one without `COMPOSITE`.
-fn layers(context: &mut Context<'_>, card: &Card, values: &cards::ShellSection) -> Option<Vec<ShellLayer>> {
+fn layers(
+    context: &mut Context<'_>,
+    card: &Card,
+    values: &cards::ShellSection,
+    elements: &[usize],
+) -> Option<Vec<ShellLayer>> {
     if values.symmetric && !values.composite {
         return context.refuse_value(card.span, "SYMMETRIC requires COMPOSITE");
     }
+    let angle_of = |context: &mut Context<'_>, word: &Word| orientations::shell_angle(context, card, word, elements);
+    let section_angle = context.optional(card.value("ORIENTATION"), angle_of)?.unwrap_or(0.0);
     let mut layers = Vec::with_capacity(values.layers.len());
     for (line, &[thickness, points]) in values.layers.iter().enumerate() {
         let points = points as usize;
@@ -39,9 +48,13 @@ fn layers(context: &mut Context<'_>, card: &Card, values: &cards::ShellSection) 
         }
         let (word, angle) = if values.composite {
             let fields = &card.lines[line];
-            (fields.field(MATERIAL_FIELD), context.number_or(fields, ANGLE_FIELD, 0.0)?)
+            let angle = match fields.field(ANGLE_FIELD).filter(|word| word.text.starts_with(char::is_alphabetic)) {
+                Some(word) => angle_of(context, word)?,
+                None => section_angle + context.number_or(fields, ANGLE_FIELD, 0.0)?,
+            };
+            (fields.field(MATERIAL_FIELD), angle)
         } else {
-            (context.required(card, "MATERIAL"), 0.0)
+            (context.required(card, "MATERIAL"), section_angle)
         };
         let material = materials::material_named(context, word?)?;
         layers.push(ShellLayer { material, thickness, points, angle });

@@ -71,7 +71,7 @@ pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<VtkMe
 
 /// Returns the contents of a legacy file.
 fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
-    let vtk = Vtk::parse_legacy_be(&adapted(bytes)[..]).map_err(|e| e.to_string())?;
+    let vtk = Vtk::parse_legacy_be(&with_known_types(adapted(bytes))?[..]).map_err(|e| e.to_string())?;
     let (points, cells, types, data) = match vtk.data {
         DataSet::UnstructuredGrid { pieces, .. } => {
             let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one piece")?;
@@ -98,7 +98,6 @@ fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
 /// before the points, and with the number type `long` in place of `vtktypeint64`.
 fn adapted(bytes: &[u8]) -> Vec<u8> {
     const INT64: &[u8] = b" vtktypeint64";
-    let find = |bytes: &[u8], word: &[u8]| bytes.windows(word.len()).position(|window| window == word);
     let points = find(bytes, b"\nPOINTS ").unwrap_or(0);
     let fields = find(&bytes[..points], b"\nFIELD ").unwrap_or(points);
     let mut adapted = bytes[..fields].to_vec();
@@ -112,6 +111,38 @@ fn adapted(bytes: &[u8]) -> Vec<u8> {
     }
     adapted.extend_from_slice(remaining);
     adapted
+}
+
+/// Returns a legacy file with types of arrays that vtkio 0.7.0-rc2 reads: `char` in place of `signed_char`, and in text files
+/// `unsigned_int` in place of `unsigned_short`.
+///
+/// # Errors
+/// The reason for `unsigned_short` in a binary file.
+fn with_known_types(mut bytes: Vec<u8>) -> Result<Vec<u8>, String> {
+    let is_text = bytes.splitn(4, |byte| *byte == b'\n').nth(2).is_some_and(|line| line.starts_with(b"ASCII"));
+    for (unknown, known) in [(&b" signed_char"[..], &b" char"[..]), (b" unsigned_short", b" unsigned_int")] {
+        let mut from = 0;
+        while let Some(at) = find(&bytes[from..], unknown).map(|at| from + at) {
+            from = at + unknown.len();
+            let line = bytes[..at].rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+            if !line.iter().all(|byte| byte.is_ascii_graphic() || *byte == b' ') {
+                continue;
+            }
+            if known == b" unsigned_int" && !is_text {
+                let line = String::from_utf8_lossy(line).into_owned();
+                return Err(format!(
+                    "the array `{line}` has the type unsigned_short: save it as int, or the file as text"
+                ));
+            }
+            bytes.splice(at..from, known.iter().copied());
+            from = at + known.len();
+        }
+    }
+    Ok(bytes)
+}
+
+fn find(bytes: &[u8], word: &[u8]) -> Option<usize> {
+    bytes.windows(word.len()).position(|window| window == word)
 }
 
 /// Supported cell types: number in VTK, name, number of points.

@@ -15,9 +15,11 @@ use std::any::Any;
 
 pub use self::queries::{ConstraintIndex, area_of_pair, forces_of_pair, prescribed_motions, reaction};
 use crate::kernel::lists::Memory;
+use crate::routines::FrictionInput;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
+use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 
@@ -39,6 +41,21 @@ pub trait Constraint: StoredConstraint + Send + Sync {
     /// Corrects the unconstrained motion over an increment of length `dt`, which the integrator has just made, and adds
     /// the work of the constraint to the energies. `clock` is at the start of the increment.
     fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64);
+
+    /// As [`Constraint::motion`], with a user subroutine for friction.
+    ///
+    /// # Errors
+    /// If the subroutine fails.
+    fn motion_with_friction(
+        &mut self,
+        dofs: &mut Dofs,
+        clock: &AmplitudeClock<'_>,
+        dt: f64,
+        _friction: FrictionInput<'_>,
+    ) -> Result<(), HaltReason> {
+        self.motion(dofs, clock, dt);
+        Ok(())
+    }
 
     /// Returns the largest length that the constraint allows for the next increment.
     fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {

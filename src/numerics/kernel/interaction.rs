@@ -1,5 +1,7 @@
 //! Interaction of contact surfaces: pressure-overclosure relation, friction, heat exchange.
 
+use std::sync::Arc;
+
 /// Pressure over overclosure (ABAQUS Analysis User's Guide, "Contact pressure-overclosure relationships").
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum PressureOverclosure {
@@ -202,6 +204,17 @@ impl CoulombFriction {
     }
 }
 
+/// Friction by a user subroutine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrictionRoutine {
+    /// Name of the surface interaction, upper case.
+    pub interaction: String,
+    /// Constants that the subroutine receives.
+    pub properties: Vec<f64>,
+    /// Number of state variables of a point.
+    pub variables: usize,
+}
+
 /// Damping of soft contact while the surfaces overlap (ABAQUS Analysis User's Guide, "Contact damping").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContactDamping {
@@ -237,6 +250,8 @@ pub struct InteractionLaw {
     pub damping: Option<ContactDamping>,
     /// Tangential behaviour.
     pub friction: CoulombFriction,
+    /// User subroutine that sets the friction coefficient of each point in each increment; `friction` is then without a limit.
+    pub friction_routine: Option<Arc<FrictionRoutine>>,
     /// Thermal behaviour.
     pub heat: GapHeat,
 }
@@ -245,6 +260,11 @@ impl InteractionLaw {
     /// Returns whether surfaces in contact overlap.
     pub fn is_soft(&self) -> bool {
         self.overclosure != PressureOverclosure::Hard
+    }
+
+    /// Returns the law without friction.
+    pub fn without_friction(&self) -> InteractionLaw {
+        InteractionLaw { friction: CoulombFriction::default(), friction_routine: None, ..self.clone() }
     }
 }
 

@@ -298,6 +298,63 @@ pub trait UserNodalFields: Send {
     fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure>;
 }
 
+/// Arguments of a user friction for a block of contact points (ABAQUS 2017 User Subroutines Reference, "VFRICTION"). Arrays of
+/// vectors have all three components of the first point, then of the second, and so on; global components are r, z and 0.
+#[derive(Clone, Copy, Debug)]
+pub struct FrictionCall<'a> {
+    /// Name of the surface interaction, upper case (`surfInt`).
+    pub interaction: &'a str,
+    /// Time, step and increment at the end of the increment.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Energy dissipated by friction since the analysis began.
+    pub friction_work: f64,
+    /// Number of state variables of a point (`nStates`).
+    pub variables: usize,
+    /// Constants on the data lines (`props`).
+    pub properties: &'a [f64],
+    /// Node number of each point on the surface that carries the pressure; 0 for a point of an analytical surface
+    /// (`jConSlvUid`).
+    pub nodes: &'a [i32],
+    /// Slip of the increment in local directions (`dSlipFric`), with the friction coefficients of the previous increment; for a
+    /// sticking point the slip that would occur without its friction. Only the first of the three components is not 0. Length.
+    pub slip: &'a [f64],
+    /// Force that prevents the slip of each point (`fStickForce`). Forces are those of the whole circumference.
+    pub stick: &'a [f64],
+    /// Friction force of the previous increment in local directions (`fTangPrev`).
+    pub previous: &'a [f64],
+    /// Normal force (`fNormal`).
+    pub normal: &'a [f64],
+    /// Area of each point on the surface of revolution (`areaCont`); 1 for a point without a face.
+    pub area: &'a [f64],
+    /// Unit normal of the opposite surface, towards the point, and unit vector of the slip (`dircosN`, `dircosSl`).
+    pub directions: [&'a [f64]; 2],
+    /// Coordinates of each point and of the opposite surface (`coordSlv`, `coordMst`).
+    pub coordinates: [&'a [f64]; 2],
+    /// Velocities of each point and of the opposite surface (`velSlv`, `velMst`).
+    pub velocities: [&'a [f64]; 2],
+}
+
+/// A user friction (`*FRICTION, USER`). It is called once per increment and block of at most [`MAX_BLOCK`] points under
+/// pressure.
+pub trait UserFriction: Send {
+    /// Sets `forces`: two components per point, along the slip (between minus the force that prevents slip, and zero) and along
+    /// the hoop (zero); zero on entry. `state` are the state variables of the first point, then of the second, and so on.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn friction(&mut self, call: &FrictionCall<'_>, forces: &mut [f64], state: &mut [f64]) -> Result<(), LoadFailure>;
+}
+
+/// The subroutine for the friction of an increment.
+pub struct FrictionInput<'a> {
+    /// The subroutine, as in [`Routines::friction`].
+    pub routine: &'a mut (dyn UserFriction + 'static),
+    /// Time, step and increment at the end of the increment.
+    pub arrival: Instant,
+}
+
 /// Points of the analysis at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference,
 /// 1.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -689,6 +746,8 @@ routines! {
     fields: UserFields, "vusdfld", with_fields;
     /// `*FIELD, USER` (VUFIELD).
     nodal_fields: UserNodalFields, "vufield", with_nodal_fields;
+    /// `*FRICTION, USER` (VFRICTION).
+    friction: UserFriction, "vfriction", with_friction;
     /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
     lengths: UserLengths, "vucharlength", with_lengths;
     /// Subroutine VEXTERNALDB, called at fixed moments of the analysis.

@@ -66,3 +66,8 @@ pub fn dependencies(material: &MaterialDefinition) -> usize {
         if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { dependencies_of(rows) } else { 0 };
     plastic.max(dependencies_of(&material.elastic_table))
 }
+
+/// Returns the number in the deck of a mesh node; without a number, its position in the mesh, from 1.
+pub fn number_of_node(model: &Model, node: usize) -> i32 {
+    model.mesh.node_names[node].parse().unwrap_or(node as i32 + 1)
+}

@@ -136,7 +136,7 @@ struct KnownRoutine {
     never_called: &'static str,
 }
 
-fn known_routines(routines: &Routines) -> [KnownRoutine; 8] {
+fn known_routines(routines: &Routines) -> [KnownRoutine; 9] {
     let known = |name, is_given, never_called| KnownRoutine { name, is_given, never_called };
     [
         known("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
@@ -150,6 +150,7 @@ fn known_routines(routines: &Routines) -> [KnownRoutine; 8] {
             routines.nodal_fields.is_some(),
             "there is no *FIELD, USER of a variable that a material reads",
         ),
+        known("vfriction", routines.friction.is_some(), "no contact has a *FRICTION, USER"),
         known("vucharlength", routines.lengths.is_some(), "no element uses a length of *CHARACTERISTIC LENGTH"),
     ]
 }

@@ -77,7 +77,7 @@ impl SolverRun<'_> {
     fn repeat_increment(&mut self, length: f64, end: IncrementEnd) -> Result<(), HaltReason> {
         self.current.state.dofs.bodies.iter_mut().for_each(BodyState::undo_advance);
         self.current.now = self.current.previous_instant;
-        self.make_increment(Increment { length, end, by: IncrementLimiter::Accuracy });
+        self.make_increment(Increment { length, end, by: IncrementLimiter::Accuracy })?;
         self.apply_body_loads(0..self.current.state.loads.len())
     }
 }

@@ -25,7 +25,7 @@ use crate::model::IncrementControl;
 use crate::plan::{Plan, State, StepChanges};
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::AmplitudeClock;
-use crate::user::RunAction;
+use crate::user::{FrictionInput, RunAction};
 
 /// Data that an increment uses or changes. It is aligned so that the run time does not depend on the stack address.
 #[repr(align(64))]
@@ -105,7 +105,7 @@ impl<'a> SolverRun<'a> {
         self.current.remember_stable_increment();
         next.check(&self.current.now)?;
         self.user.call_before(&mut self.current, next)?;
-        self.make_increment(next); //                        7. v(i+1/2), u(i+1), and the velocity that loads receive
+        self.make_increment(next)?; //                       7. v(i+1/2), u(i+1), and the velocity that loads receive
         self.record(next);
         self.timing.pause();
         Ok(())
@@ -255,16 +255,24 @@ impl<'a> SolverRun<'a> {
     }
 
     #[inline(always)]
-    pub(super) fn make_increment(&mut self, next: Increment) {
+    pub(super) fn make_increment(&mut self, next: Increment) -> Result<(), HaltReason> {
         let dt = next.length;
         self.current.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.current.state.dofs.nodes.is_empty() {
             self.advance_nodes(dt);
         }
-        let RunState { state: State { dofs, constraints, user_amplitudes, .. }, now, .. } = &mut self.current;
+        let RunState { state: State { dofs, constraints, user_amplitudes, .. }, now, step, .. } = &mut self.current;
+        let mut outcome = Ok(());
         for constraint in constraints {
             let started = self.timing.start(constraint.effect());
-            constraint.motion(dofs, &AmplitudeClock { now: *now, user_amplitudes }, dt);
+            let clock = AmplitudeClock { now: *now, user_amplitudes };
+            match self.user.routines.friction.as_deref_mut() {
+                Some(routine) => {
+                    let friction = FrictionInput { routine, arrival: next.arrival(now, step.duration) };
+                    outcome = outcome.and(constraint.motion_with_friction(dofs, &clock, dt, friction));
+                }
+                None => constraint.motion(dofs, &clock, dt),
+            }
             self.timing.stop(started, constraint.effect());
         }
         if self.current.state.thermal.is_some() {
@@ -284,6 +292,7 @@ impl<'a> SolverRun<'a> {
         if next.end != IncrementEnd::Plain && !goes_on {
             self.restart_integration(next.end);
         }
+        outcome
     }
 
     #[inline(never)]

@@ -40,7 +40,7 @@ fn no_friction(model: &mut Model) {
                 *friction = 0.0;
             }
         }
-        step.frictions_mut().for_each(|friction| *friction = CoulombFriction::default());
+        step.contact_laws_mut().for_each(|law| *law = law.without_friction());
     }
 }
 

@@ -1,6 +1,6 @@
 //! Arguments of calls as messages: one list of fields defines both writing and reading.
 
-use super::super::{HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall, NodalFieldCall};
+use super::super::{FrictionCall, HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall, NodalFieldCall};
 use super::message::{MessageField, MessageReader, MessageWriter, get, put};
 
 /// Implements messages for calls of which all fields are sent.
@@ -22,6 +22,10 @@ macro_rules! calls {
 calls! {
     MotionCall { set, kind, node, dof, now, increments, amplitude, coordinates, state, across, mass }
     NodalFieldCall { set, now, lengths, variables, nodes, coordinates, motion }
+    FrictionCall {
+        interaction, now, dt, friction_work, variables, properties, nodes, slip, stick, previous, normal, area, directions,
+        coordinates, velocities
+    }
     MaterialCall {
         name, now, dt, count, integration_point, variables, properties, coordinates, length, density, strain, spin,
         elements, temperature, fields, field, stretch, gradient, stress, state, internal, inelastic

@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use super::super::{
-    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
-    LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, RunAction, UserAmplitude, UserEvents,
-    UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
+    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FrictionCall, HardeningAnswer, HardeningCall, LengthCall,
+    LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, RunAction, UserAmplitude,
+    UserEvents, UserFriction, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
 };
 use super::channel::RoutineChannel;
 use super::message::{MessageField as _, MessageWriter, put};
@@ -113,6 +113,12 @@ impl UserHardening for RoutineClient {
 impl UserNodalFields for RoutineClient {
     fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure> {
         self.call(TurnPurpose::NodalFields, |to| call.put(to), [values])
+    }
+}
+
+impl UserFriction for RoutineClient {
+    fn friction(&mut self, call: &FrictionCall<'_>, forces: &mut [f64], state: &mut [f64]) -> Result<(), LoadFailure> {
+        self.call(TurnPurpose::Friction, |to| call.put(to), [forces, state])
     }
 }
 

@@ -64,6 +64,7 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
             "vumat" => routines.with_material(client),
             "vuhard" => routines.with_hardening(client),
             "vufield" => routines.with_nodal_fields(client),
+            "vfriction" => routines.with_friction(client),
             "vucharlength" => routines.with_lengths(client),
             _ => routines.with_events(client),
         };

@@ -3,8 +3,8 @@
 
 use super::super::subroutines::{ArgumentKind, interface};
 use super::super::{
-    AmplitudeCall, AnalysisMoment, HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints, LockedRoutines,
-    MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, bounds_advice,
+    AmplitudeCall, AnalysisMoment, FrictionCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints,
+    LockedRoutines, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, bounds_advice,
 };
 use super::message::{AnswerLists, MessageField as _, MessageReader, get};
 use super::shared_memory::{CallExchange, TurnPurpose};
@@ -67,6 +67,11 @@ impl RoutineServer {
                 let call = NodalFieldCall::get(from);
                 let [values] = answers.take(from);
                 routines.nodal_fields.as_deref_mut()?.nodal_fields(&call, values)
+            }
+            TurnPurpose::Friction => {
+                let call = FrictionCall::get(from);
+                let [forces, state] = answers.take(from);
+                routines.friction.as_deref_mut()?.friction(&call, forces, state)
             }
             TurnPurpose::Lengths => {
                 let call = LengthCall::get(from);

@@ -34,6 +34,7 @@ pub enum TurnPurpose {
     Material,
     Hardening,
     NodalFields,
+    Friction,
     Lengths,
     Moment,
     RestartFollows,
@@ -45,13 +46,14 @@ pub const REQUEST: u32 = 100;
 pub const LEAVE: u32 = 101;
 
 /// Purposes of calls in the order of their numbers, with the names of the subroutines.
-const PURPOSES: [(TurnPurpose, &str); 9] = [
+const PURPOSES: [(TurnPurpose, &str); 10] = [
     (TurnPurpose::Load, "vdload"),
     (TurnPurpose::Amplitude, "vuamp"),
     (TurnPurpose::Motion, "vdisp"),
     (TurnPurpose::Material, "vumat"),
     (TurnPurpose::Hardening, "vuhard"),
     (TurnPurpose::NodalFields, "vufield"),
+    (TurnPurpose::Friction, "vfriction"),
     (TurnPurpose::Lengths, "vucharlength"),
     (TurnPurpose::Moment, "vexternaldb"),
     (TurnPurpose::RestartFollows, "vexternaldb"),

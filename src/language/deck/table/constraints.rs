@@ -88,14 +88,17 @@ card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE IN
     rough: bool = "ROUGH" (FLAG) "No slip",
     damping: f64 = "SLIP DAMPING" extension (NOT_NEGATIVE.to(1.0).or(0.5)) "Share of a quick change of the slip rate that damping removes in an increment; 0: no damping of flutter",
     decays: bool = "EXPONENTIAL DECAY" (FLAG) "The coefficient decreases with the slip rate",
+    user: usize = "USER" (word(&["NO", "FRICTION", "COEFFICIENT"]).or(0.0).bare(1.0)) "FRICTION: user subroutine VFRICTION, for contact pairs too",
+    variables: usize = "DEPVAR" (INTEGER.from(0.0).or(0.0)) "Number of state variables of a contact point, for VFRICTION",
+    "PROPERTIES" (INTEGER.from(0.0).or(0.0)) "Number of constants of VFRICTION",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "TEST DATA" refused "applies only to EXPONENTIAL DECAY",
     "SLIP TOLERANCE" inert "applies only to implicit analyses; written by ABAQUS/CAE",
 } refused {
     "applies only to implicit analyses": "ELASTIC SLIP", "LAGRANGE";
     "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
-    "contact solves the forces of all points together, with a coefficient of friction; user subroutines cannot set them": "USER", "DEPVAR", "PROPERTIES";
 }, values: [f64; 3] = [
+    (when "USER" list "constant of the subroutine" read "Eight values per line"),
     (when "EXPONENTIAL DECAY" lines ["static coefficient" (NOT_NEGATIVE.or(0.0)), "kinetic coefficient" (NOT_NEGATIVE.required()),
         "decay coefficient" (NOT_NEGATIVE.required())]),
     (lines [

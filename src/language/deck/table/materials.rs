@@ -389,6 +389,16 @@ card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target mat
     (lines ["A" (NOT_NEGATIVE.required()), "B" (NOT_NEGATIVE.required()), "C" (NOT_NEGATIVE.required())]),
 ]);
 
+card!(Orientation: "ORIENTATION", "Material directions of shell sections and of their layers", (), {
+    "NAME" read "Name",
+    system: usize = "SYSTEM" (word(&["RECTANGULAR", "CYLINDRICAL", "SPHERICAL", "Z RECTANGULAR", "USER"]).or(0.0)) "RECTANGULAR (default); shells support no other",
+    definition: usize = "DEFINITION" (word(&["COORDINATES", "NODES", "OFFSET TO NODES"]).or(0.0)) "COORDINATES (default); shells support no other",
+    "LOCAL DIRECTIONS" inert "applies only to anisotropic hyperelasticity",
+}, [(rows [
+    "first value" read "First line: r, z and 0 of a point in the local direction 1; then of a point in the plane of the local directions 1 and 2; then of the origin (default 0). Second line: the local direction closest to the normal of the shell (default 1), and an additional rotation about the normal in degrees",
+    "second value", "third value", "fourth value", "fifth value", "sixth value", "seventh value", "eighth value", "ninth value",
+])]);
+
 card!(ShellSection: "SHELL SECTION", "Thickness and material of shell elements", (), {
     "ELSET" read "Elements",
     "MATERIAL" read "Material; not with COMPOSITE",
@@ -400,7 +410,7 @@ card!(ShellSection: "SHELL SECTION", "Thickness and material of shell elements",
     "OFFSET" read "Distance from the middle surface to the nodes along the normal, over the thickness: -0.5 to 0.5, SPOS (0.5) or SNEG (-0.5); default 0",
     "LAYUP" inert "name of the layup, written by ABAQUS/CAE",
     "CONTROLS" inert "shell elements with one point have no hourglass modes",
-    "ORIENTATION" refused "give the angle from the meridian on the data lines of COMPOSITE",
+    "ORIENTATION" read "*ORIENTATION whose direction 1 replaces the meridian as origin of the angles of layers",
     "TEMPERATURE" inert "initial temperatures of shells are uniform over the thickness",
     "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
 } refused {
@@ -411,7 +421,7 @@ card!(ShellSection: "SHELL SECTION", "Thickness and material of shell elements",
         "layer thickness" (POSITIVE.required()),
         "points" (INTEGER.from(3.0).to(1001.0).or(3.0)) "Odd number of points of Simpson's rule through the layer",
         "material" (TEXT.required()),
-        "angle" (NUMBER.or(0.0)) "Angle in degrees from the meridian to direction 1 of the layer, counter-clockwise about the normal",
+        "angle or orientation" read "Angle in degrees from the meridian, or from direction 1 of ORIENTATION, to direction 1 of the layer, counter-clockwise about the normal; or the name of an *ORIENTATION",
         "ply name" inert "has no effect",
     ]),
     (lines ["thickness" (POSITIVE.required()), "points" (INTEGER.from(3.0).to(1001.0).or(5.0)) "Odd number of points of Simpson's rule through the thickness"]),
@@ -520,7 +530,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows ["number of state variables" (INTEGER.from(0.0).to(10_000.0).required())] ["number" read "Number of the named variable", "name" read "Name; frames show the variable as SDV_name", "description" inert "description only"])]),
     CavityExpansion::ROW,
     Conductivity::ROW,
-    row!(inert "anisotropic materials are unsupported", "ORIENTATION", "A local coordinate system"),
+    Orientation::ROW,
     Expansion::ROW,
     row!("SOLID SECTION", "Material of solid elements", (), {
         "ELSET" read "Elements",

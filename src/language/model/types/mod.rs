@@ -24,7 +24,9 @@ use super::shared::CopyOnWrite;
 use super::units::DeckUnits;
 use crate::deck::{Sources, Span};
 pub use crate::kernel::bulk_viscosity::BulkViscosity;
-pub use crate::kernel::interaction::{ContactDamping, CoulombFriction, GapHeat, InteractionLaw, PressureOverclosure};
+pub use crate::kernel::interaction::{
+    ContactDamping, CoulombFriction, FrictionRoutine, GapHeat, InteractionLaw, PressureOverclosure,
+};
 pub use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
 pub use adaptive::*;
 pub use body::*;

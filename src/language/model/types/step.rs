@@ -6,7 +6,7 @@ use super::{
 };
 use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
-use crate::kernel::interaction::CoulombFriction;
+use crate::kernel::interaction::{CoulombFriction, InteractionLaw};
 
 /// An analysis step, with its loads, contacts and output requests. [`Step::new`] sets what is not zero by default.
 #[derive(Clone, Debug, Default)]
@@ -76,10 +76,10 @@ impl Step {
         self.surface_contacts.iter().map(|c| &c.law).chain(assigned).map(|law| &law.friction)
     }
 
-    /// Iterates over the friction laws of all contact definitions, mutably.
-    pub fn frictions_mut(&mut self) -> impl Iterator<Item = &mut CoulombFriction> {
+    /// Iterates over the laws of all contact definitions, mutably.
+    pub fn contact_laws_mut(&mut self) -> impl Iterator<Item = &mut InteractionLaw> {
         let assigned = self.general_contact.iter_mut().flat_map(|g| &mut g.assigned).map(|a| &mut a.law);
-        self.surface_contacts.iter_mut().map(|c| &mut c.law).chain(assigned).map(|law| &mut law.friction)
+        self.surface_contacts.iter_mut().map(|c| &mut c.law).chain(assigned)
     }
 }
 

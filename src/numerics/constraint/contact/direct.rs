@@ -8,7 +8,7 @@
 
 use super::sweeps::{
     ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, GapTerm, TOLERANCE, closed_overlap,
-    shear_limit, soft_pressure,
+    largest_shear, shear_limit, soft_pressure,
 };
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lanes::inline_from_fn;
@@ -150,7 +150,7 @@ impl DirectSolver {
 /// Returns the derivative of the shear impulse by the normal impulse at the friction limit.
 fn friction_slope(row: &ContactRow, law: &InteractionLaw, direction: f64, half: f64) -> f64 {
     let [limiting, share] = row.limiting_impulse();
-    let capped = row.coefficient * limiting >= law.friction.largest * half;
+    let capped = row.coefficient * limiting >= largest_shear(row, law, half);
     if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient * share }
 }
 

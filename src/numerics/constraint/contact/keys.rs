@@ -6,6 +6,7 @@ use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::slip_damping::SlipDamping;
 use super::stored_energy::StoredEnergy;
 use super::sweeps::{ContactRow, ContactRows, ContactVelocities, most_rows};
+use super::user_friction::UserFrictionKeys;
 use super::written::WrittenEntries;
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
@@ -14,7 +15,7 @@ use crate::state::archive::Persist;
 
 /// Values of all keys.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: pressures, gap_offsets, opening, slip; derived: written_openings, written_pressures)]
+#[persist(fixed: pressures, gap_offsets, opening, slip; present: user_friction; derived: written_openings, written_pressures)]
 pub(super) struct KeyValues {
     /// Pressure and shear stress of each key over the previous increment.
     pub(super) pressures: Vec<[f64; 2]>,
@@ -31,6 +32,8 @@ pub(super) struct KeyValues {
     pub(super) opening: Vec<f64>,
     /// Accumulated slip of each key while in contact, for output.
     pub(super) slip: Vec<f64>,
+    /// Friction by a user subroutine; `None` without one.
+    pub(super) user_friction: Option<Box<UserFrictionKeys>>,
 }
 
 impl KeyValues {
@@ -48,6 +51,8 @@ impl KeyValues {
         if laws.iter().any(|law| law.friction.damps()) {
             values.slip_damping = SlipDamping::new(keys);
         }
+        let variables = laws.iter().filter_map(|law| Some(law.friction_routine.as_ref()?.variables)).max();
+        values.user_friction = variables.map(|variables| Box::new(UserFrictionKeys::new(keys, variables)));
         values
     }
 
@@ -92,6 +97,9 @@ impl KeyValues {
         self.forget_written();
         self.opening[key] = place.value(|other| previous.opening[other]);
         self.slip[key] = place.value(|other| previous.slip[other]);
+        if let (Some(friction), Some(previous)) = (&mut self.user_friction, &previous.user_friction) {
+            friction.take_over(key, previous, place);
+        }
         let offset = place.value(|other| previous.gap_offset(other));
         if offset != 0.0 && self.gap_offsets.is_empty() {
             self.gap_offsets = vec![0.0; self.count()];
@@ -109,6 +117,9 @@ impl KeyValues {
         mesh.carry(&mut self.gap_offsets, |offset| offset);
         mesh.carry(&mut self.slip, |slip| slip);
         self.slip_damping.carry(mesh);
+        if let Some(friction) = &mut self.user_friction {
+            friction.carry(mesh);
+        }
     }
 
     /// Stores the pressures of rows whose impulses have acted over the time `half`.

@@ -35,6 +35,7 @@ mod slip_damping;
 mod stored_energy;
 mod surfaces;
 mod sweeps;
+mod user_friction;
 pub mod wall_stations;
 mod written;
 
@@ -52,15 +53,18 @@ use self::pairs::pair_of;
 pub use self::pairs::{ContactPair, InitialClearance};
 use self::surfaces::ContactSurfaces;
 use self::sweeps::{ContactInterval, ContactRow, ContactStep};
+use self::user_friction::FrictionScene;
 use super::bonds::MergedDofs;
 use super::{Constraint, ConstraintForces, NodeRelation, StoredConstraint};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
+use crate::routines::FrictionInput;
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::energies::EnergyTotals;
+use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 
@@ -134,7 +138,10 @@ impl ContactConstraint {
         };
         measured.rows.reserve(keys as usize, dofs.count());
         surfaces.reserve_near(dofs.count());
-        let keys = KeyValues::new(keys as usize, &laws);
+        let mut keys = KeyValues::new(keys as usize, &laws);
+        if let Some(friction) = &mut keys.user_friction {
+            friction.points = points_of_keys(&surfaces, &pairs);
+        }
         ContactConstraint { surfaces, pairs, laws, dofs, keys, measured, ..ContactConstraint::default() }
     }
 
@@ -143,6 +150,14 @@ impl ContactConstraint {
     /// states whether there is.
     pub fn with_equal_motions(mut self, sets: Vec<MergedDofs>) -> ContactConstraint {
         self.dofs.merge(sets, &self.surfaces.points);
+        self
+    }
+
+    /// Sets the node numbers that a user subroutine for friction receives; `number` returns that of a point.
+    pub fn with_node_numbers(mut self, number: impl Fn(u32) -> i32) -> ContactConstraint {
+        if let Some(friction) = &mut self.keys.user_friction {
+            friction.numbers = (0..self.surfaces.points.len() as u32).map(number).collect();
+        }
         self
     }
 
@@ -374,19 +389,25 @@ impl ContactConstraint {
     }
 
     /// Solves for the impulses of the rows in an increment of length `dt`.
-    fn solve(&mut self, dofs: &mut Dofs, dt: f64) {
+    fn solve(&mut self, dofs: &mut Dofs, dt: f64, friction: Option<FrictionInput<'_>>) -> Result<(), HaltReason> {
         let span = ContactInterval { dt, half: self.dofs.half };
         let ContactConstraint {
             surfaces: ContactSurfaces { active, .. }, laws, dofs: own_dofs, keys, measured, ..
         } = self;
-        let (rows, motion) = (&mut measured.rows, &mut own_dofs.motion);
+        let (rows, motion, mut outcome) = (&mut measured.rows, &mut own_dofs.motion, Ok(()));
         dofs.energies.initial_overlap += keys.stored_energy.limit_overlaps(rows, laws, active);
         let step = ContactStep { laws, pressures: &keys.pressures, span };
         keys.slip_damping.begin(active);
         if let Some(reference) = rows.begin(motion, step) {
             keys.slip_damping.apply(rows, motion, step);
+            if let Some(user_friction) = &keys.user_friction {
+                user_friction.set_coefficients(rows, step);
+            }
             rows.solve(motion, reference, step);
             self.correct_arc_gaps(reference, span);
+            if let Some(mut input) = friction {
+                outcome = self.solve_with_friction(reference, span, dofs.energies.friction, &mut input);
+            }
         }
         let ContactConstraint {
             surfaces: ContactSurfaces { active, .. },
@@ -402,6 +423,53 @@ impl ContactConstraint {
         keys.stored_energy.add_work(rows, laws, motion, span);
         keys.store_pressures(rows, span.half, active);
         own_dofs.gather_impulses(rows);
+        outcome
+    }
+
+    /// Calls the user subroutine for friction, and solves again if it has changed a friction coefficient.
+    fn solve_with_friction(
+        &mut self,
+        reference: f64,
+        span: ContactInterval,
+        friction_work: f64,
+        input: &mut FrictionInput<'_>,
+    ) -> Result<(), HaltReason> {
+        let ContactConstraint { surfaces, laws, dofs, keys, measured, .. } = self;
+        let Some(user_friction) = &mut keys.user_friction else { return Ok(()) };
+        let step = ContactStep { laws, pressures: &keys.pressures, span };
+        if user_friction.call(&mut measured.rows, FrictionScene { surfaces, dofs, step, friction_work }, input)? {
+            measured.rows.solve_again(&mut dofs.motion, reference, step);
+            self.correct_arc_gaps(reference, span);
+        }
+        Ok(())
+    }
+
+    /// Moves the bodies over an increment; `friction` is the user subroutine for friction, if contact calls one.
+    fn advance(&mut self, dofs: &mut Dofs, dt: f64, friction: Option<FrictionInput<'_>>) -> Result<(), HaltReason> {
+        self.dofs.begin_increment(dofs.nodes.half, dt);
+        if self.surfaces.uncovered {
+            self.surfaces.list_points();
+        }
+        let searches = self.read_motion(dofs, dt);
+        self.follow_deletions();
+        if searches {
+            self.search();
+        } else {
+            self.surfaces.shape_near();
+        }
+        self.measure(dt);
+        self.keys.store_openings(&self.measured.rows.rows);
+        self.update_heat_rows();
+        self.act_cohesion(dofs, dt);
+        self.impact.advance(dt);
+        self.limit_impacts(dt);
+        let outcome = self.solve(dofs, dt, friction);
+        self.apply_impulses(dofs, dt);
+        self.add_cohesive_work(dofs, dt);
+        let cohesion = self.cohesion.as_ref();
+        self.dofs.push_bodies(dofs, |dof| cohesion.map_or(0.0, |cohesion| cohesion.impulses[dof]));
+        self.keys.add_slip(&self.measured.rows, &self.dofs.motion, dt);
+        outcome
     }
 
     /// Informs it that elements with these corner nodes have been deleted.
@@ -419,6 +487,16 @@ impl ContactConstraint {
             self.check_bonds(archive);
         }
     }
+}
+
+/// Returns the point of each key.
+fn points_of_keys(surfaces: &ContactSurfaces, pairs: &[ContactPair]) -> Vec<u32> {
+    let of_pair = |pair: &ContactPair| {
+        let (secondary, other) = surfaces.sides(pair);
+        let points = secondary.points.iter().chain(&other.points).copied();
+        points.take(pair.keys().len()).collect::<Vec<_>>()
+    };
+    pairs.iter().flat_map(of_pair).collect()
 }
 
 /// Adds the work of impulses along the normal and along the surface; that of springs is part of the former.
@@ -460,29 +538,18 @@ impl Constraint for ContactConstraint {
     }
 
     fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, dt: f64) {
-        self.dofs.begin_increment(dofs.nodes.half, dt);
-        if self.surfaces.uncovered {
-            self.surfaces.list_points();
-        }
-        let searches = self.read_motion(dofs, dt);
-        self.follow_deletions();
-        if searches {
-            self.search();
-        } else {
-            self.surfaces.shape_near();
-        }
-        self.measure(dt);
-        self.keys.store_openings(&self.measured.rows.rows);
-        self.update_heat_rows();
-        self.act_cohesion(dofs, dt);
-        self.impact.advance(dt);
-        self.limit_impacts(dt);
-        self.solve(dofs, dt);
-        self.apply_impulses(dofs, dt);
-        self.add_cohesive_work(dofs, dt);
-        let cohesion = self.cohesion.as_ref();
-        self.dofs.push_bodies(dofs, |dof| cohesion.map_or(0.0, |cohesion| cohesion.impulses[dof]));
-        self.keys.add_slip(&self.measured.rows, &self.dofs.motion, dt);
+        // Without a subroutine nothing fails.
+        let _ = self.advance(dofs, dt, None);
+    }
+
+    fn motion_with_friction(
+        &mut self,
+        dofs: &mut Dofs,
+        _clock: &AmplitudeClock<'_>,
+        dt: f64,
+        friction: FrictionInput<'_>,
+    ) -> Result<(), HaltReason> {
+        self.advance(dofs, dt, Some(friction))
     }
 
     fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {

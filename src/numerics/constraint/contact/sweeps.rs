@@ -56,6 +56,8 @@ pub struct ContactRow {
     /// Pressure per closing velocity of contact damping in soft contact.
     pub(super) dashpot: f64,
     pub(super) coefficient: f64,
+    /// Largest impulse per unit of area along the surface; `None` for that of the law.
+    pub(super) largest_shear: Option<f64>,
 }
 
 impl ContactRow {
@@ -603,7 +605,12 @@ pub(super) fn dashpot(law: &InteractionLaw, overlap: f64, mass: impl FnOnce() ->
 /// Returns the largest possible impulse along the surface. Equation (10.4).
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
     let limit = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse()[0] } else { 0.0 };
-    limit.min(law.friction.largest * half)
+    limit.min(largest_shear(row, law, half))
+}
+
+/// Returns the largest impulse along the surface for any pressure.
+pub(super) fn largest_shear(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
+    row.largest_shear.unwrap_or(law.friction.largest * half)
 }
 
 /// Returns the normal impulse of a soft law. The pressure is evaluated at an overlap late enough in the increment that

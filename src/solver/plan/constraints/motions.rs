@@ -10,6 +10,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::model::{self, BoundaryCondition, Model, Step};
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::loads::magnitude;
+use crate::plan::queries::number_of_node;
 use crate::plan::steps::{ConstraintList, ConstraintOrigin};
 use crate::plan::{Report, Scene, SolidPlaces};
 use crate::state::dofs::Dof;
@@ -154,7 +155,7 @@ fn add_user_motion(
     let mesh = &scene.model.mesh;
     let user_dof = |&(dof, node): &(Dof, usize)| UserDof {
         dof,
-        number: mesh.node_names[node].parse().unwrap_or(node as i32 + 1),
+        number: number_of_node(scene.model, node),
         reference: mesh.points[node],
         offset: 0.0,
     };

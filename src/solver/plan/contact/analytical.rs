@@ -56,6 +56,7 @@ fn extent(points: &[[f64; 2]]) -> f64 {
 /// Describes the friction of a pair for the ledger.
 pub fn friction_of(pair: &SurfaceContact) -> String {
     match pair.law.friction.at_rest {
+        _ if pair.law.friction_routine.is_some() => ", friction by vfriction".into(),
         _ if !pair.law.friction.is_active() => String::new(),
         f64::INFINITY => ", rough".into(),
         coefficient => format!(", friction {coefficient}"),

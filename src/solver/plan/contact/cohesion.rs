@@ -4,7 +4,7 @@
 use crate::constraint::contact::cohesion::CohesivePair;
 use crate::constraint::contact::{ContactConstraint, ContactPair};
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::{CoulombFriction, InteractionLaw, PressureOverclosure};
+use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::traction_separation::TractionSeparationLaw;
 use crate::model::{CohesiveBehavior, InitiationMeasure, InterfaceInitiation, Model, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
@@ -94,13 +94,13 @@ pub fn add_cohesion<'c>(
     let origin = cohesion.initiation.as_ref().zip(cohesion.evolution.as_ref());
     let part = InterfacePart { code: "P027", name: &format!("surface interaction `{name}`"), card: STIFFNESS_CARD };
     check_energies(origin, first, &part, report)?;
-    let frictionless = |law: &InteractionLaw| InteractionLaw { friction: CoulombFriction::default(), ..law.clone() };
     let intact = if pair.springs {
-        let springs: Vec<InteractionLaw> = laws[pair.law..pair.law + count].iter().map(frictionless).collect();
+        let springs: Vec<InteractionLaw> =
+            laws[pair.law..pair.law + count].iter().map(InteractionLaw::without_friction).collect();
         laws.extend(springs);
         laws.len() - count
     } else {
-        place_of(laws, frictionless(&laws[pair.law]))
+        place_of(laws, laws[pair.law].without_friction())
     };
     list.pairs.push(CohesivePair {
         pair: index,

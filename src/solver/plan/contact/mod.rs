@@ -23,7 +23,7 @@ use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, sol
 use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{PENALTY_FACTOR, smallest_thickness, spring_laws};
 use crate::plan::contact::walls::spatial_side;
-use crate::plan::queries::{heated_references, largest_distances};
+use crate::plan::queries::{heated_references, largest_distances, number_of_node};
 use crate::plan::{Pairs, Report, Scene, StepInput};
 
 /// Initial overlaps up to this fraction of a facet are accepted without a warning: meshes of matching curved surfaces
@@ -65,6 +65,9 @@ pub fn contact_constraint(
             None => pair_of_curves(contact, &context, &mut geometry, report),
         };
         let Some((mut pair, length)) = pair else { continue };
+        if contact.law.friction_routine.is_some() {
+            report.require_routine(contact.span, "pair", "*FRICTION, USER calls vfriction", "vfriction")?;
+        }
         let Some([law, of_points]) = law_indices(input, contact, &pair, &mut laws, &geometry, report) else { continue };
         (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
         let origin = CohesionOrigin { contact, index: pairs.len(), pair: &pair };
@@ -101,7 +104,11 @@ pub fn contact_constraint(
     }
     contact = cohesion.add_to(contact);
     let gaps = contact.start(&places);
-    let nodes_of_points = point_of_node.into_iter().map(|(node, point)| (point, node)).collect();
+    let nodes_of_points: HashMap<_, _> = point_of_node.into_iter().map(|(node, point)| (point, node)).collect();
+    contact = contact.with_node_numbers(|point| {
+        let node = nodes_of_points.get(&point).map(|node| number_of_node(scene.model, *node));
+        node.unwrap_or_default()
+    });
     report_cohesion(&cohesion, &contact, step, report);
     for ((contact, length), gaps) in spans.into_iter().zip(gaps) {
         note_adjusted_gaps(scene.model, contact, &gaps.adjusted, &nodes_of_points, report);

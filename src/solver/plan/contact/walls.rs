@@ -67,6 +67,9 @@ fn wall_contact(
         return Err("contact with an analytical surface that belongs to no rigid body, or to an oblique one");
     };
     let spatial = state.dofs.bodies[body].spatial.as_ref().ok_or("contact")?;
+    if pair.law.friction_routine.is_some() {
+        return Err("*FRICTION, USER");
+    }
     let is_soft = (pair.law.is_soft() || pair.penalty.is_some()) && !pair.sides[side].faces.is_empty();
     if !is_soft && pair.law.friction.largest.is_finite() {
         return Err("TAUMAX in hard contact, whose pressures are not unique between rigid bodies,");

@@ -11,7 +11,7 @@ use crate::material::PointValue;
 use crate::model::{InitialKind, MaterialDefinition, Model, PredefinedVariable, PrescribedField, ShellSection, Step};
 use crate::plan::heat::initial_temperatures;
 use crate::plan::loads::magnitude;
-use crate::plan::queries::{dependencies, given_fields};
+use crate::plan::queries::{dependencies, given_fields, number_of_node};
 use crate::plan::solids::user_material::materials_present;
 use crate::plan::state::SolidState;
 use crate::plan::{Report, Scene, SolidPlaces};
@@ -114,9 +114,8 @@ fn user_field_row(field: &PrescribedField, count: usize, nodes: usize, report: &
 
 /// Returns the numbers in the deck of the mesh nodes that are solver nodes.
 fn node_numbers(scene: Scene, nodes: &[usize]) -> Vec<i32> {
-    let names = &scene.model.mesh.node_names;
-    let numbers = nodes.iter().filter(|n| scene.places.nodes.contains_key(n));
-    numbers.map(|&n| names[n].parse().unwrap_or(n as i32 + 1)).collect()
+    let numbered = nodes.iter().filter(|n| scene.places.nodes.contains_key(n));
+    numbered.map(|&n| number_of_node(scene.model, n)).collect()
 }
 
 /// Returns the temperature and the field variables with the groups of elements that have them.
