@@ -28,10 +28,10 @@ mod mesh_continuation;
 mod mesh_motion;
 mod near;
 mod pairs;
-pub mod rigid_wall;
 mod search;
 mod shown;
 mod slip_damping;
+pub mod stations;
 mod stored_energy;
 mod surfaces;
 mod sweeps;
@@ -50,6 +50,7 @@ use self::measured_gaps::{GapSources, MeasuredGaps};
 use self::mesh_continuation::MeshContinuation;
 use self::pairs::pair_of;
 pub use self::pairs::{ContactPair, InitialClearance};
+use self::stations::StationContact;
 use self::surfaces::ContactSurfaces;
 use self::sweeps::{ContactInterval, ContactRow, ContactStep};
 use super::bonds::MergedDofs;
@@ -66,11 +67,13 @@ use crate::state::magnitude::AmplitudeClock;
 
 /// Contact of all pairs of a step.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: pairs; present: heat, cohesion; derived: laws, measured, mesh; then: ContactConstraint::list_again)]
+#[persist(fixed: pairs, stations; present: heat, cohesion; derived: laws, measured, mesh; then: ContactConstraint::list_again)]
 #[memory(flat: laws; inside: cohesion, heat, mesh)]
 pub struct ContactConstraint {
     surfaces: ContactSurfaces,
     pairs: Vec<ContactPair>,
+    /// Pairs of a rigid body with six degrees of freedom and an analytical surface.
+    stations: Vec<StationContact>,
     laws: Vec<InteractionLaw>,
     dofs: ContactDofs,
     keys: KeyValues,
@@ -136,6 +139,11 @@ impl ContactConstraint {
         surfaces.reserve_near(dofs.count());
         let keys = KeyValues::new(keys as usize, &laws);
         ContactConstraint { surfaces, pairs, laws, dofs, keys, measured, ..ContactConstraint::default() }
+    }
+
+    /// Returns the contact with additional pairs of rigid bodies with six degrees of freedom.
+    pub fn with_stations(self, stations: Vec<StationContact>) -> ContactConstraint {
+        ContactConstraint { stations, ..self }
     }
 
     /// Returns the contact in which the points of each set of nodes with equal motion have one common degree of freedom.
@@ -430,7 +438,8 @@ fn add_energies(energies: &mut EnergyTotals, work: [f64; 2], of_springs: f64) {
 
 impl Constraint for ContactConstraint {
     fn effect(&self) -> EffectId {
-        self.pairs.first().map_or(0, |pair| pair.id)
+        let of_stations = self.stations.first().map_or(0, |stations| stations.pair.id);
+        self.pairs.first().map_or(of_stations, |pair| pair.id)
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
@@ -447,6 +456,8 @@ impl Constraint for ContactConstraint {
         }
         self.begin_cohesion(dofs);
         self.limit_first_impacts(dofs);
+        let starts = self.dofs.half == 0.0;
+        self.stations.iter_mut().for_each(|stations| stations.begin(dofs, starts));
     }
 
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
@@ -460,7 +471,7 @@ impl Constraint for ContactConstraint {
     }
 
     fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, dt: f64) {
-        self.dofs.begin_increment(dofs.nodes.half, dt);
+        self.dofs.begin_increment(&dofs.nodes, dt);
         if self.surfaces.uncovered {
             self.surfaces.list_points();
         }
@@ -480,17 +491,19 @@ impl Constraint for ContactConstraint {
         self.solve(dofs, dt);
         self.apply_impulses(dofs, dt);
         self.add_cohesive_work(dofs, dt);
+        self.stations.iter_mut().for_each(|stations| stations.act(&mut self.dofs, dofs, dt));
         let cohesion = self.cohesion.as_ref();
         self.dofs.push_bodies(dofs, |dof| cohesion.map_or(0.0, |cohesion| cohesion.impulses[dof]));
         self.keys.add_slip(&self.measured.rows, &self.dofs.motion, dt);
     }
 
     fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {
-        IncrementLimit { time: self.impact.increment, jump: false }
+        let of_stations = self.stations.iter().map(|stations| stations.longest);
+        IncrementLimit { time: of_stations.fold(self.impact.increment, f64::min), jump: false }
     }
 
     fn moves_nodes(&self) -> bool {
-        true
+        !self.pairs.is_empty()
     }
 
     fn forces(&self) -> Option<&dyn ConstraintForces> {
