@@ -563,9 +563,13 @@ fn moving_wall_throws_the_body() {
 #[test]
 fn general_contact_with_a_wall_is_that_of_the_pair() {
     let (scene, _) = cylinder_on_soft_floor();
-    let pair = WallScene { friction: 0.2, starts: [1.0, -5.0, 0.0, 0.0, 0.0, 0.0], angles: [20.0, 0.0], ..scene };
+    let tilted = WallScene { friction: 0.2, starts: [1.0, -5.0, 0.0, 0.0, 0.0, 0.0], angles: [20.0, 0.0], ..scene };
+    // An attitude of zero angles and axial motion: the body has six degrees of freedom because of the contact alone.
+    let upright = WallScene { starts: [0.0, -5.0, 0.0, 0.0, 0.0, 0.0], angles: [0.0; 2], ..tilted.clone() };
     let contact = "*Contact\n*Contact Inclusions, all exterior\n*Contact Property Assignment\n , , RUB\n";
-    for interaction in [pair.interaction.clone(), String::new()] {
+    for (pair, interaction) in
+        [(&tilted, tilted.interaction.clone()), (&tilted, String::new()), (&upright, upright.interaction.clone())]
+    {
         let pair = WallScene { interaction, wall: floor_plane(-1e-2), time: 4e-3, ..pair.clone() };
         let general = WallScene { contact, ..pair.clone() };
         let velocities = |run: &WallRun| ["V1@REF", "V2@REF", "VR3@REF"].map(|name| run.last(name).to_bits());
@@ -575,13 +579,44 @@ fn general_contact_with_a_wall_is_that_of_the_pair() {
     }
 }
 
+/// A body at rest on a soft floor remains at rest when a step changes the friction of its pair: the contact continues with
+/// its whole impulse.
+#[test]
+fn change_of_a_pair_does_not_move_a_body_at_rest() {
+    let (scene, stiffness) = cylinder_on_soft_floor();
+    let weight = MASS * GRAVITY;
+    let scene = WallScene {
+        starts: [0.0; 6],
+        wall: floor_plane(weight / stiffness),
+        loads: gravity([0.0, -1.0, 0.0]),
+        ..scene
+    };
+    let second = format!("*Surface Interaction, name=ROUGHER\n{}*Friction\n 0.3,\n", scene.interaction);
+    // Velocities in contact belong to instants between equal increments.
+    let deck = scene.deck().replace(", accuracy=1e-4\n ,", ", direct user control\n 1e-5,");
+    let deck = deck.replace("*Initial Conditions", &(second + "*Initial Conditions"));
+    let output = &deck[deck.find("*Output").expect("an output")..];
+    let changed = PAIR.replace("RUB", "ROUGHER");
+    let deck = format!("{deck}*Step\n*Dynamic, Explicit, direct user control\n 1e-5, 1e-3\n{changed}{output}");
+    let run = scene.run_deck(&deck, &Routines::none());
+    // In the first increment, forces act over half of it.
+    let fastest = run.column("V2@REF").into_iter().skip(2).fold(0.0, |most: f64, v| most.max(v.abs()));
+    let reaction = run.last("RF2@WREF") / weight;
+    println!("change of a pair: speed {fastest:e}, reaction {reaction}, {} rows", run.memory.rows.len());
+    assert!(run.times().last().is_some_and(|time| *time > 1.5e-3));
+    // With half an impulse less the body would fall with GRAVITY * 5e-6.
+    assert!(fastest < 1e-9 * GRAVITY * 1e-5 && (reaction - 1.0).abs() < 1e-9);
+}
+
 /// Unsupported contact options are errors with a reason.
 #[test]
 fn unsupported_wall_contact_is_an_error() {
     let scene = WallScene { friction: 0.3, ..ball(0.01) };
     let penalty = "*Contact Pair, interaction=RUB, mechanical constraint=PENALTY\n SKIN, WALL\n";
+    let adjusted = "*Contact Pair, interaction=RUB, adjust=0.001\n SKIN, WALL\n";
     let cases = [
         (WallScene { friction_options: ", taumax=1e4", ..scene.clone() }, "P132", "not unique"),
+        (WallScene { contact: adjusted, ..scene.clone() }, "P132", "an initial clearance"),
         (WallScene { contact: penalty, ..scene }, "P021", "penalty stiffness cannot be computed"),
     ];
     for (scene, code, reason) in cases {

@@ -1,7 +1,6 @@
 //! Questions about all constraints in force: prescribed motions, reaction forces, forces and areas of contact pairs.
 
 use super::contact::ContactConstraint;
-use super::contact::rigid_wall::RigidWallContact;
 use super::motion::PrescribedMotion;
 use super::{Constraint, PairForces, of_kind};
 use crate::state::dofs::{Dof, Dofs};
@@ -78,15 +77,11 @@ impl<'a> ConstraintIndex<'a> {
 
 /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
 pub fn forces_of_pair(constraints: &[Box<dyn Constraint>], pair: usize) -> Option<PairForces> {
-    of_kind::<ContactConstraint>(constraints)
-        .find_map(|contact| contact.forces_of_pair(pair))
-        .or_else(|| of_kind::<RigidWallContact>(constraints).find_map(|wall| wall.forces_of_pair(pair)))
+    of_kind::<ContactConstraint>(constraints).find_map(|contact| contact.forces_of_pair(pair))
 }
 
 /// Returns the area in contact of a pair; `None` if the pair is not in force, NaN for hard contact of a rigid body and a
 /// wall.
 pub fn area_of_pair(constraints: &[Box<dyn Constraint>], pair: usize) -> Option<f64> {
-    of_kind::<ContactConstraint>(constraints)
-        .find_map(|contact| contact.area_of_pair(pair))
-        .or_else(|| of_kind::<RigidWallContact>(constraints).find_map(|wall| wall.area_of_pair(pair)))
+    of_kind::<ContactConstraint>(constraints).find_map(|contact| contact.area_of_pair(pair))
 }

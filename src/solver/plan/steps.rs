@@ -16,9 +16,7 @@ use crate::plan::changes::{ListChange, ListEntry};
 use crate::plan::checks::overlaps::overlapping_bodies;
 use crate::plan::constraints::equations::link_constraint;
 use crate::plan::constraints::motions::add_motions;
-use crate::plan::contact::cohesion::refuse_cohesive_walls;
 use crate::plan::contact::contact_constraint;
-use crate::plan::contact::walls::{spatial_side, wall_contacts};
 use crate::plan::loads::{LoadInput, create_load};
 use crate::plan::meshes::adaptive::adaptive_change;
 use crate::plan::output::{RecordingState, output_schedules};
@@ -47,9 +45,6 @@ pub enum ConstraintOrigin<'a> {
     Equations(PrescribedDofs),
     /// Contact pairs, the prescribed degrees of freedom, and whether nodes without elements are removed from contact.
     Contact(Rc<Vec<SurfaceContact>>, HashSet<(usize, usize)>, bool),
-    /// Contact of an oblique rigid body with an analytical surface: contact pairs, prescribed degrees of freedom,
-    /// index.
-    Wall(Rc<Vec<SurfaceContact>>, HashSet<(usize, usize)>, usize),
     /// Check of bodies without contact for overlap.
     Overlaps,
     /// Deformable nodes tied to a rigid body, by index.
@@ -66,9 +61,6 @@ impl ConstraintOrigin<'_> {
             (ConstraintOrigin::Equations(a), ConstraintOrigin::Equations(b)) => a == b,
             (ConstraintOrigin::Contact(a, given, drops), ConstraintOrigin::Contact(b, others, drop)) => {
                 (Rc::ptr_eq(a, b) || a == b) && given == others && drops == drop
-            }
-            (ConstraintOrigin::Wall(a, given, i), ConstraintOrigin::Wall(b, others, j)) => {
-                (Rc::ptr_eq(a, b) || a == b) && given == others && i == j
             }
             (ConstraintOrigin::Overlaps, ConstraintOrigin::Overlaps) => true,
             (ConstraintOrigin::Tie(a), ConstraintOrigin::Tie(b)) => a == b,
@@ -304,16 +296,6 @@ fn constraint_changes<'a>(
         list.add(origin, contact);
         fronts.retain(|front| !active.fronts.contains(front));
         active.fronts.extend(fronts);
-    }
-    refuse_cohesive_walls(input, report);
-    let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), prescribed.all.clone(), i);
-    let walls = pairs.by_step[index].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()).count();
-    let kept_walls = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();
-    if kept_walls < walls {
-        let origins: Vec<ConstraintOrigin<'a>> = (0..walls).map(wall).collect();
-        for (origin, contact) in origins.into_iter().zip(wall_contacts(input, report)).skip(kept_walls) {
-            list.add(origin, contact);
-        }
     }
     if let Err(origin) = list.keep(ConstraintOrigin::Overlaps)
         && let Some(overlaps) = overlapping_bodies(input, report).filter(|_| index == 0)

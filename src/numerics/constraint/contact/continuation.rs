@@ -17,6 +17,10 @@ impl ContactConstraint {
         self.dofs.take_over(&previous.dofs);
         self.take_over_pairs(previous, &|node| Some(PreviousPlace::at(node)));
         self.take_over_cohesion(previous);
+        for stations in &mut self.stations {
+            let same = previous.stations.iter().find(|known| known.pair.number == stations.pair.number);
+            same.into_iter().for_each(|known| stations.take_over(known));
+        }
     }
 
     /// Takes the values of the previous contact at the places of the points on the previous surfaces. Stored energies per

@@ -10,9 +10,11 @@ use crate::constraint::bonds::MergedDofs;
 use crate::constraint::system::change_velocity;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
+use crate::state::BodyState;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::energies::EnergyTotals;
+use crate::state::nodes::Nodes;
 
 /// Degrees of freedom of the points of a contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
@@ -35,6 +37,7 @@ pub(super) struct ContactDofs {
     pub(super) bodies: Vec<ContactBody>,
     /// Time over which forces last acted on velocities.
     pub(super) half: f64,
+    previous_dt: f64,
     /// Share of the forces in output. It is 1/2 in the first increment, in which forces act over half of the increment,
     /// so that the integral of forces over time is the change of momentum.
     pub(super) output_share: f64,
@@ -162,6 +165,7 @@ impl ContactDofs {
     /// Takes impulses and bodies from the previous contact.
     pub(super) fn take_over(&mut self, previous: &ContactDofs) {
         (self.half, self.output_share) = (previous.half, previous.output_share);
+        self.previous_dt = previous.previous_dt;
         self.bodies.clone_from(&previous.bodies);
         let mut impulses = std::mem::take(&mut self.impulses);
         self.pass_values(&mut impulses, previous, &previous.impulses);
@@ -192,9 +196,11 @@ impl ContactDofs {
         }
     }
 
-    /// Sets the time `half` over which forces act on velocities in an increment of length `dt`. On a new mesh the velocities
-    /// contain the impulses of half an increment before.
-    pub(super) fn begin_increment(&mut self, half: f64, dt: f64) {
+    /// Sets the time over which forces act on velocities in an increment of length `dt`: that of the nodes, if there are
+    /// any. On a new mesh the velocities contain the impulses of half an increment before.
+    pub(super) fn begin_increment(&mut self, nodes: &Nodes, dt: f64) {
+        let of_bodies = 0.5 * (dt + std::mem::replace(&mut self.previous_dt, dt));
+        let half = if nodes.is_empty() { of_bodies } else { nodes.half };
         let is_first = std::mem::replace(&mut self.half, half) == 0.0;
         self.output_share = if is_first && self.half == 0.5 * dt { 0.5 } else { 1.0 };
     }
@@ -269,18 +275,7 @@ impl ContactDofs {
                     change_velocity(nodes, (n, axis), change, dt, half);
                     0.5 * (previous + (predicted + change))
                 }
-                Dof::Body(b) => {
-                    let body = &mut bodies[b];
-                    let previous = body.before.velocity - (half - 0.5 * dt) * body.acceleration;
-                    let so_far = body.velocity_half - previous - half * body.acceleration;
-                    body.velocity_half += change;
-                    body.displacement += dt * change;
-                    if !prescribed {
-                        // Impulses of other contacts in this increment also act during the change of velocity.
-                        energies.contact -= 0.5 * body.mass * so_far * change;
-                    }
-                    0.5 * (previous + body.velocity_half)
-                }
+                Dof::Body(b) => push_body(&mut bodies[b], change, [half, dt], energies),
             };
             self.means[i] = mean;
             work.add(impulse, mean, prescribed, energies);
@@ -290,6 +285,24 @@ impl ContactDofs {
             members[1..].iter().for_each(|&n| change_velocity(nodes, (n, *axis), change, dt, half));
         }
         work
+    }
+
+    /// Adds impulses of pressure and of friction on the rigid body of a point, and applies them to its motion. Returns
+    /// their work.
+    pub(super) fn add_impulse(&mut self, point: u32, added: [f64; 2], dofs: &mut Dofs, dt: f64) -> [f64; 2] {
+        let dof = self.of_points[point as usize][1];
+        let ((Dof::Body(body), prescribed), true) = (self.list[dof as usize], added != [0.0; 2]) else {
+            return [0.0; 2];
+        };
+        self.written_impulses.add(dof);
+        let impulse = &mut self.impulses[dof as usize];
+        *impulse = [0, 1].inline_map(|part: usize| impulse[part] + added[part]);
+        let Dofs { bodies, energies, .. } = dofs;
+        let inverse_mass = if prescribed { 0.0 } else { bodies[body].inverse_mass };
+        let mean = push_body(&mut bodies[body], inverse_mass * (added[0] + added[1]), [self.half, dt], energies);
+        let mut work = ImpulseWork::default();
+        work.add(added, mean, prescribed, energies);
+        work.of_impulses
     }
 
     /// Replaces the contact acceleration of free bodies with that of this increment; `other` returns an additional impulse
@@ -348,6 +361,18 @@ impl ContactDofs {
             members.for_each(|&n| change_velocity(&mut dofs.nodes, (n, nodes.axis), change, dt, half));
         }
     }
+}
+
+/// Changes the velocity of a rigid body by impulses, and its displacement over an increment of length `dt`; `half` is the
+/// time over which forces act. Returns the mean of the velocities before and after forces and impulses.
+fn push_body(body: &mut BodyState, change: f64, [half, dt]: [f64; 2], energies: &mut EnergyTotals) -> f64 {
+    let previous = body.before.velocity - (half - 0.5 * dt) * body.acceleration;
+    let so_far = body.velocity_half - previous - half * body.acceleration;
+    body.velocity_half += change;
+    body.displacement += dt * change;
+    // Impulses of other contacts in this increment also act during the change of velocity.
+    energies.contact -= 0.5 * body.mass * so_far * change;
+    0.5 * (previous + body.velocity_half)
 }
 
 /// Work of impulses: the impulse times the mean of the velocities before and after it.

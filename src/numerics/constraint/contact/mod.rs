@@ -28,10 +28,10 @@ mod mesh_continuation;
 mod mesh_motion;
 mod near;
 mod pairs;
-pub mod rigid_wall;
 mod search;
 mod shown;
 mod slip_damping;
+pub mod stations;
 mod stored_energy;
 mod surfaces;
 mod sweeps;
@@ -51,6 +51,7 @@ use self::measured_gaps::{GapSources, MeasuredGaps};
 use self::mesh_continuation::MeshContinuation;
 use self::pairs::pair_of;
 pub use self::pairs::{ContactPair, InitialClearance};
+use self::stations::StationContact;
 use self::surfaces::ContactSurfaces;
 use self::sweeps::{ContactInterval, ContactRow, ContactStep};
 use self::user_friction::FrictionScene;
@@ -70,11 +71,13 @@ use crate::state::magnitude::AmplitudeClock;
 
 /// Contact of all pairs of a step.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: pairs; present: heat, cohesion; derived: laws, measured, mesh; then: ContactConstraint::list_again)]
+#[persist(fixed: pairs, stations; present: heat, cohesion; derived: laws, measured, mesh; then: ContactConstraint::list_again)]
 #[memory(flat: laws; inside: cohesion, heat, mesh)]
 pub struct ContactConstraint {
     surfaces: ContactSurfaces,
     pairs: Vec<ContactPair>,
+    /// Pairs of a rigid body with six degrees of freedom and an analytical surface.
+    stations: Vec<StationContact>,
     laws: Vec<InteractionLaw>,
     dofs: ContactDofs,
     keys: KeyValues,
@@ -143,6 +146,11 @@ impl ContactConstraint {
             friction.points = points_of_keys(&surfaces, &pairs);
         }
         ContactConstraint { surfaces, pairs, laws, dofs, keys, measured, ..ContactConstraint::default() }
+    }
+
+    /// Returns the contact with additional pairs of rigid bodies with six degrees of freedom.
+    pub fn with_stations(self, stations: Vec<StationContact>) -> ContactConstraint {
+        ContactConstraint { stations, ..self }
     }
 
     /// Returns the contact in which the points of each set of nodes with equal motion have one common degree of freedom.
@@ -446,7 +454,7 @@ impl ContactConstraint {
 
     /// Moves the bodies over an increment; `friction` is the user subroutine for friction, if contact calls one.
     fn advance(&mut self, dofs: &mut Dofs, dt: f64, friction: Option<FrictionInput<'_>>) -> Result<(), HaltReason> {
-        self.dofs.begin_increment(dofs.nodes.half, dt);
+        self.dofs.begin_increment(&dofs.nodes, dt);
         if self.surfaces.uncovered {
             self.surfaces.list_points();
         }
@@ -466,6 +474,7 @@ impl ContactConstraint {
         let outcome = self.solve(dofs, dt, friction);
         self.apply_impulses(dofs, dt);
         self.add_cohesive_work(dofs, dt);
+        self.stations.iter_mut().for_each(|stations| stations.act(&mut self.dofs, dofs, dt));
         let cohesion = self.cohesion.as_ref();
         self.dofs.push_bodies(dofs, |dof| cohesion.map_or(0.0, |cohesion| cohesion.impulses[dof]));
         self.keys.add_slip(&self.measured.rows, &self.dofs.motion, dt);
@@ -508,7 +517,8 @@ fn add_energies(energies: &mut EnergyTotals, work: [f64; 2], of_springs: f64) {
 
 impl Constraint for ContactConstraint {
     fn effect(&self) -> EffectId {
-        self.pairs.first().map_or(0, |pair| pair.id)
+        let of_stations = self.stations.first().map_or(0, |stations| stations.pair.id);
+        self.pairs.first().map_or(of_stations, |pair| pair.id)
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
@@ -525,6 +535,8 @@ impl Constraint for ContactConstraint {
         }
         self.begin_cohesion(dofs);
         self.limit_first_impacts(dofs);
+        let starts = self.dofs.half == 0.0;
+        self.stations.iter_mut().for_each(|stations| stations.begin(dofs, starts));
     }
 
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
@@ -553,11 +565,12 @@ impl Constraint for ContactConstraint {
     }
 
     fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {
-        IncrementLimit { time: self.impact.increment, jump: false }
+        let of_stations = self.stations.iter().map(|stations| stations.longest);
+        IncrementLimit { time: of_stations.fold(self.impact.increment, f64::min), jump: false }
     }
 
     fn moves_nodes(&self) -> bool {
-        true
+        !self.pairs.is_empty()
     }
 
     fn forces(&self) -> Option<&dyn ConstraintForces> {

@@ -1,6 +1,7 @@
 //! Contact output: pressure, shear stress, opening and slip at points; forces and areas of pairs.
 
 use super::curve::PointCarrier;
+use super::stations::StationContact;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::PairForces;
 use crate::kernel::lanes::InlineMap;
@@ -117,6 +118,9 @@ impl ContactConstraint {
 
     /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
     pub fn forces_of_pair(&self, number: usize) -> Option<PairForces> {
+        if let Some(stations) = self.stations_of_number(number) {
+            return Some(stations.forces(&self.dofs));
+        }
         let pair = self.pair_of_number(number)?;
         // The forces on the two surfaces are opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
@@ -125,9 +129,17 @@ impl ContactConstraint {
         Some(PairForces { forces, duration: self.dofs.half / self.dofs.output_share })
     }
 
-    /// Returns the area in contact of a pair; `None` if the pair is not in force.
+    /// Returns the area in contact of a pair; `None` if the pair is not in force, NaN for hard contact of a rigid body with
+    /// six degrees of freedom.
     pub fn area_of_pair(&self, number: usize) -> Option<f64> {
+        if let Some(stations) = self.stations_of_number(number) {
+            return Some(stations.area());
+        }
         self.pair_of_number(number).map(|pair| self.contact_area(pair))
+    }
+
+    fn stations_of_number(&self, number: usize) -> Option<&StationContact> {
+        self.stations.iter().find(|stations| stations.pair.number == number)
     }
 
     /// Returns the pair with a number among the pairs of all steps.

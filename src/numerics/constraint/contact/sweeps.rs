@@ -5,7 +5,9 @@
 use super::direct::DirectSolver;
 use super::light::LightBody;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
+use crate::platform::PortableMath as _;
 
 /// Coefficients of one degree of freedom in a row, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,8 @@ pub struct ContactRow {
     pub normal_impulse: f64,
     /// Impulse per unit of area, along the surface.
     pub shear_impulse: f64,
+    /// Impulse per unit of area along the second direction of slip of a row in space.
+    pub(super) second_shear_impulse: f64,
     pub(super) sticks: bool,
     /// Impulse per unit of area of [`super::slip_damping`], along the surface.
     pub damping: f64,
@@ -97,7 +101,7 @@ impl ContactRow {
     }
 
     /// Computes the rate at which the gap may close.
-    fn take_bias(&mut self, law: &InteractionLaw, span: ContactInterval) {
+    pub(super) fn take_bias(&mut self, law: &InteractionLaw, span: ContactInterval) {
         let open = self.gap - law.overclosure.onset_gap() * self.area;
         self.bias = if self.closest_point.is_some() { open } else { open.max(0.0) } / span.dt;
     }
@@ -136,6 +140,32 @@ impl ContactRow {
             motion.shear(own, change);
         }
         change.abs()
+    }
+
+    /// Changes the shear impulses along both directions of slip to those that prevent the slip, within their limit. Returns
+    /// the size of the larger change.
+    fn shear_in_plane(
+        &mut self,
+        terms: &[GapTerm],
+        motion: &mut ContactVelocities,
+        law: &InteractionLaw,
+        half: f64,
+    ) -> f64 {
+        let (limit, old) = (shear_limit(self, law, half), [self.shear_impulse, self.second_shear_impulse]);
+        let directions = [self.terms_in(terms), self.second_terms_in(terms)];
+        let sticking = [0, 1].inline_map(|i: usize| old[i] - motion.slip(directions[i]) / self.compliance[1]);
+        let size = sticking[0].portable_hypot(sticking[1]);
+        let factor = if size > limit { limit / size } else { 1.0 };
+        [self.shear_impulse, self.second_shear_impulse] = sticking.inline_map(|impulse| factor * impulse);
+        let changes = [self.shear_impulse - old[0], self.second_shear_impulse - old[1]];
+        directions.into_iter().zip(changes).for_each(|(direction, change)| motion.shear(direction, change));
+        changes[0].abs().max(changes[1].abs())
+    }
+
+    /// Returns the terms of the second direction of slip of a row in space, which follow those of the row.
+    pub(super) fn second_terms_in<'a>(&self, terms: &'a [GapTerm]) -> &'a [GapTerm] {
+        let [begin, end] = self.terms.inline_map(|at| at as usize);
+        &terms[end..2 * end - begin]
     }
 
     #[inline(always)]
@@ -273,6 +303,10 @@ enum SweptImpulses {
 
 /// Largest number of sweeps.
 pub const MOST_SWEEPS: u32 = 200;
+/// Largest number of sweeps over rows in space, and [`TOLERANCE`] there: a few points determine the motion of the body, and
+/// errors turn it.
+const MOST_SWEEPS_IN_SPACE: u32 = 500;
+const TOLERANCE_IN_SPACE: f64 = 1e-12;
 /// Largest number of iterations for the pressure of a soft law.
 const ROUNDS: usize = 30;
 
@@ -286,6 +320,13 @@ impl ContactRows {
         self.slots.resize(dofs, NONE);
         self.response.resize(dofs, 0.0);
         self.direct.reserve(rows, dofs);
+    }
+
+    /// Allocates for this number of rows in space.
+    pub(super) fn reserve_in_space(&mut self, rows: usize, dofs: usize) {
+        reserve_total(&mut self.terms, 2 * dofs * rows);
+        reserve_total(&mut self.rows, rows);
+        self.response.resize(dofs, 0.0);
     }
 
     pub(super) fn clear(&mut self) {
@@ -456,6 +497,40 @@ impl ContactRows {
             }
         }
         false
+    }
+
+    /// Solves for the impulses of rows in space, which have two directions of slip, by sweeps that start from the current
+    /// impulses.
+    pub(super) fn solve_in_space(&mut self, motion: &mut ContactVelocities, reference: f64, step: ContactStep<'_>) {
+        let ContactRows { terms, rows, .. } = self;
+        for row in rows.iter_mut() {
+            let (friction, second) = (&step.laws[row.law as usize].friction, row.second_terms_in(terms));
+            let of_slip = second.iter().map(|t| motion.inverse_mass[t.dof as usize] * t.slip * t.slip);
+            row.compliance[1] = of_slip.sum::<f64>().max(row.compliance[1]);
+            let slip = motion.slip(row.terms_in(terms)).portable_hypot(motion.slip(second));
+            row.coefficient = friction.coefficient(slip / row.area);
+        }
+        for _ in 0..MOST_SWEEPS_IN_SPACE {
+            if self.sweep_in_space(motion, step) <= TOLERANCE_IN_SPACE * reference {
+                break;
+            }
+        }
+    }
+
+    /// Makes one sweep over rows in space; returns the largest change of a rate, as a velocity.
+    fn sweep_in_space(&mut self, motion: &mut ContactVelocities, step: ContactStep<'_>) -> f64 {
+        let ContactRows { terms, rows, .. } = self;
+        let mut largest: f64 = 0.0;
+        for row in rows {
+            let law = &step.laws[row.law as usize];
+            let pressed = row.press(row.terms_in(terms), motion, law, step.span) * row.compliance[0];
+            largest = largest.max(pressed / row.area);
+            if row.coefficient > 0.0 {
+                let sheared = row.shear_in_plane(terms, motion, law, step.span.half) * row.compliance[1];
+                largest = largest.max(sheared / row.area);
+            }
+        }
+        largest
     }
 
     fn unload(&mut self, motion: &mut ContactVelocities) {

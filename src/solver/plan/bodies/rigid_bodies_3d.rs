@@ -49,7 +49,7 @@ fn attitude<'a>(model: &'a Model, rigid: &RigidBody) -> Option<&'a model::Initia
 }
 
 /// Returns whether a body is oblique: it is rotated, hits an inclined target, or has an attitude and a transverse or
-/// angular initial velocity or a contact pair with an analytical surface.
+/// angular initial velocity, a contact pair with an analytical surface, or general contact with one and only rigid bodies.
 pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
     let attitude = attitude(model, rigid);
     let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
@@ -64,7 +64,17 @@ pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
     let pairs = || model.steps.iter().flat_map(|s| &s.surface_contacts).filter(|pair| pair.analytical.is_some());
     let faces = || pairs().flat_map(|pair| &pair.sides).flat_map(|side| &side.faces);
     let meets_wall = || faces().any(|(e, _)| rigid.elements.contains(e));
-    turned || tilted || attitude.is_some() && (across() || meets_wall())
+    turned || tilted || attitude.is_some() && (across() || meets_wall() || may_meet_wall(model, rigid))
+}
+
+/// Returns whether general contact of rigid bodies includes a body and an analytical surface of another one.
+fn may_meet_wall(model: &Model, rigid: &RigidBody) -> bool {
+    let is_of_body = |element: usize| model.rigid_bodies.iter().any(|body| body.elements.contains(&element));
+    let mut elements = model.mesh.elements.iter().enumerate();
+    let mut walls = model.surfaces.analytical.values().filter_map(|surface| surface.reference);
+    model.steps.iter().any(|step| step.general_contact.is_some())
+        && walls.any(|reference| reference != rigid.reference)
+        && elements.all(|(index, element)| element.kind.topology().is_none() || is_of_body(index))
 }
 
 /// Returns the initial velocities of a reference node along and about directions 1, 2, 3.

@@ -11,7 +11,6 @@ use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::general::pair_name;
 use crate::plan::contact::penalty::spring_laws;
 use crate::plan::contact::place_of;
-use crate::plan::contact::walls::spatial_side;
 use crate::plan::solids::cohesive::{InterfacePart, check_energies, criterion, initiation_law, softening};
 use crate::plan::{Pairs, Report, StepInput};
 use crate::variables::Variable;
@@ -116,22 +115,13 @@ pub fn add_cohesion<'c>(
     Some(())
 }
 
-fn refuse_analytical(contact: &SurfaceContact, cohesion: &CohesiveBehavior, report: &mut Report) -> Option<()> {
+/// Reports that a pair with an analytical surface cannot be cohesive.
+pub fn refuse_analytical<T>(contact: &SurfaceContact, cohesion: &CohesiveBehavior, report: &mut Report) -> Option<T> {
     let message = format!("the pair {} cannot be cohesive: it has an analytical surface", pair_name(contact));
     let finding = Diagnostic::error("P027", message).at(contact.span, "this pair");
     let help = "use a rigid body of elements (RAX2) in place of the analytical surface, or an interaction without \
                 *COHESIVE BEHAVIOR";
     report.refuse(finding.at(cohesion.span, "the cohesive behaviour of its interaction").help(help))
-}
-
-/// Reports the pairs of oblique bodies with cohesive behaviour.
-pub fn refuse_cohesive_walls(input: StepInput, report: &mut Report) {
-    let StepInput { scene, pairs, index: step, .. } = input;
-    for contact in pairs.by_step[step].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()) {
-        if let Some(cohesion) = cohesion_of(scene.model, contact) {
-            refuse_analytical(contact, cohesion, report);
-        }
-    }
 }
 
 /// Creates the ledger rows of cohesive pairs, with the number of points that are bonded at the start, and warns of pairs

@@ -22,7 +22,7 @@ use crate::plan::contact::cohesion::{CohesionList, CohesionOrigin, add_cohesion,
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, solid_skin};
 use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{PENALTY_FACTOR, smallest_thickness, spring_laws};
-use crate::plan::contact::walls::spatial_side;
+use crate::plan::contact::walls::{spatial_side, station_contact};
 use crate::plan::queries::{heated_references, largest_distances, number_of_node};
 use crate::plan::{Pairs, Report, Scene, StepInput};
 
@@ -41,10 +41,9 @@ pub fn contact_constraint(
 ) -> Option<(Box<dyn Constraint>, Vec<AnalyticalFront>)> {
     let StepInput { scene, links, state, index: step, .. } = input;
     let (mut geometry, mut pairs, mut laws) = (ContactGeometry::default(), Vec::new(), Vec::new());
-    let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
+    let (mut spans, mut cohesion, mut stations) = (Vec::new(), CohesionList::default(), Vec::new());
     let all_pairs = &input.pairs.by_step[step];
-    let is_planned = |pair: &&SurfaceContact| spatial_side(scene.bodies, pair).is_none() && !is_lost(scene.model, pair);
-    let surface_pairs: Vec<&SurfaceContact> = all_pairs.iter().filter(is_planned).collect();
+    let surface_pairs: Vec<&SurfaceContact> = all_pairs.iter().filter(|pair| !is_lost(scene.model, pair)).collect();
     if surface_pairs.is_empty() {
         return None;
     }
@@ -60,6 +59,10 @@ pub fn contact_constraint(
         general_row: OnceCell::new(),
     };
     for contact in surface_pairs {
+        if let Some(oblique) = spatial_side(scene.bodies, contact) {
+            stations.extend(station_contact(input, contact, oblique, &mut geometry, report));
+            continue;
+        }
         let pair = match &contact.analytical {
             Some(side) => analytical_pair(contact, side, &context, &mut geometry, report),
             None => pair_of_curves(contact, &context, &mut geometry, report),
@@ -83,12 +86,13 @@ pub fn contact_constraint(
         check_damping(contact, report);
         spans.push((contact, length));
     }
-    if pairs.is_empty() {
+    if pairs.is_empty() && stations.is_empty() {
         return None;
     }
     let ContactGeometry { points, places, point_of_node, curves, analyticals, fronts, .. } = geometry;
-    let mut contact =
-        ContactConstraint::new(points, curves, analyticals, pairs, laws).with_equal_motions(equal_motions);
+    let mut contact = ContactConstraint::new(points, curves, analyticals, pairs, laws)
+        .with_stations(stations)
+        .with_equal_motions(equal_motions);
     if let Some(heat) = state.heat() {
         if contact.has_equal_motions() {
             let message = "heat conduction through contact of nodes with equal motion is not supported";

@@ -1,7 +1,6 @@
 //! Contact of oblique rigid bodies (six degrees of freedom) with analytical surfaces.
 
-use crate::constraint::Constraint;
-use crate::constraint::contact::rigid_wall::{RigidWallContact, WallPair};
+use crate::constraint::contact::stations::{StationContact, StationPair};
 use crate::constraint::contact::wall_stations::{WallRing, WallSurfaces};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::sorted_unique;
@@ -11,9 +10,11 @@ use crate::mesh::surface::RigidFacets;
 use crate::model::{ElementSide, RigidSurface, SurfaceContact};
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::contact::analytical::{friction_of, warn_of_front};
-use crate::plan::contact::general::{body_of_analytical, pair_name};
+use crate::plan::contact::cohesion::{cohesion_of, refuse_analytical};
+use crate::plan::contact::curves::ContactGeometry;
+use crate::plan::contact::general::body_of_analytical;
 use crate::plan::contact::penalty::rigid_spring_law;
-use crate::plan::contact::{check_damping, has_springs, kind_of, place_of};
+use crate::plan::contact::{check_damping, has_springs, kind_of, pair_number, place_of};
 use crate::plan::meshes::surfaces::rigid_facet;
 use crate::plan::{Bodies, Report, StepInput};
 use crate::platform::PortableMath as _;
@@ -35,62 +36,78 @@ pub fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, us
     (0..2).find_map(|side| Some((of_side(side)?, side)))
 }
 
-/// Creates the contact of oblique rigid bodies in a step. Unsupported pairs are reported.
-pub fn wall_contacts(input: StepInput, report: &mut Report) -> Vec<Box<dyn Constraint>> {
-    let StepInput { scene, pairs, index: step, .. } = input;
-    let walls = pairs.by_step[step].iter().filter_map(|pair| Some((pair, spatial_side(scene.bodies, pair)?)));
-    let mut contacts: Vec<Box<dyn Constraint>> = Vec::new();
-    for (pair, (body, side)) in walls {
-        match wall_contact(input, pair, (body, side), report) {
-            Ok(contact) => contacts.extend(contact.map(|contact| Box::new(contact) as Box<dyn Constraint>)),
-            Err(what) => {
-                refuse_on_spatial_body(pair.span, &scene.bodies.list[body].name, what, report);
-            }
-        }
-    }
-    contacts
-}
-
-fn wall_contact(
+/// Creates the contact of an oblique rigid body, given with its side of the pair, and a wall. Unsupported pairs are
+/// reported.
+pub fn station_contact(
     input: StepInput,
     pair: &SurfaceContact,
     (body, side): (usize, usize),
+    geometry: &mut ContactGeometry,
     report: &mut Report,
-) -> Result<Option<RigidWallContact>, &'static str> {
+) -> Option<StationContact> {
     let StepInput { scene, pairs, state, index, .. } = input;
-    let Some(analytical) = &pair.analytical else {
-        return Err("contact with a surface of elements");
-    };
-    let surface = &scene.model.surfaces.analytical[analytical.surface];
-    let wall = body_of_analytical(scene, analytical.surface);
-    let Some(wall) = wall.filter(|&wall| !scene.bodies.list[wall].spatial) else {
-        return Err("contact with an analytical surface that belongs to no rigid body, or to an oblique one");
-    };
-    let spatial = state.dofs.bodies[body].spatial.as_ref().ok_or("contact")?;
-    if pair.law.friction_routine.is_some() {
-        return Err("*FRICTION, USER");
+    if let Some(cohesion) = cohesion_of(scene.model, pair) {
+        return refuse_analytical(pair, cohesion, report);
     }
     let is_soft = (pair.law.is_soft() || pair.penalty.is_some()) && !pair.sides[side].faces.is_empty();
-    if !is_soft && pair.law.friction.largest.is_finite() {
-        return Err("TAUMAX in hard contact, whose pressures are not unique between rigid bodies,");
-    }
-    let rings = if is_soft {
-        soft_rings(input, pair, (body, side), spatial, report)
-    } else {
-        Some((hard_rings(input, pair, (body, side), spatial), vec![pair.law.clone()]))
+    let (wall, surface) = match wall_of(input, pair, is_soft) {
+        Ok(wall) => wall,
+        Err(what) => {
+            refuse_on_spatial_body(pair.span, &scene.bodies.list[body].name, what, report);
+            return None;
+        }
     };
-    let Some((rings, laws)) = rings else { return Ok(None) };
+    let spatial = state.dofs.bodies[body].spatial.as_ref()?;
+    let (rings, laws) = if is_soft {
+        soft_rings(input, pair, (body, side), spatial, report)?
+    } else {
+        (hard_rings(input, pair, (body, side), spatial), vec![pair.law.clone()])
+    };
     let profile = facing_wall(pair, side, (surface, spatial), report);
     let stations = if is_soft { spatial.stations } else { spatial.stations.min(MOST_STATIONS) };
-    let travel = scene.model.steps[index].increment.travel();
     let names = [side, 1 - side].map(|side| pair.sides[side].name.as_str());
     let kind = if is_soft { kind_of(pair) } else { "kinematic".into() };
     let detail = format!("{} on {}, {kind}{}", names[0], names[1], friction_of(pair));
     check_damping(pair, report);
-    let number = pairs.names.get_index_of(&pair_name(pair)).unwrap_or_default();
-    let id = report.ledger_row(pair.span, "contact with a wall", rings.len(), "rings", detail);
-    let pair = WallPair { id, number, first: side == 0, bodies: [body, wall], laws };
-    Ok(Some(RigidWallContact::new(pair, WallSurfaces::new(profile, rings, stations), travel)))
+    let station_pair = StationPair {
+        id: report.ledger_row(pair.span, "contact with a wall", rings.len(), "rings", detail),
+        number: pair_number(pairs, pair),
+        first: side == 0,
+        bodies: [body, wall],
+        wall: geometry.add_carried(wall),
+        laws,
+        travel: scene.model.steps[index].increment.travel(),
+    };
+    Some(StationContact::new(station_pair, WallSurfaces::new(profile, rings, stations)))
+}
+
+/// Returns the body of the wall of a pair and its surface.
+///
+/// # Errors
+/// What is unsupported on an oblique body.
+fn wall_of<'a>(
+    input: StepInput<'a, '_>,
+    pair: &SurfaceContact,
+    is_soft: bool,
+) -> Result<(usize, &'a RigidSurface), &'static str> {
+    let scene = input.scene;
+    let analytical = pair.analytical.as_ref().ok_or("contact with a surface of elements")?;
+    let wall = body_of_analytical(scene, analytical.surface).filter(|&wall| !scene.bodies.list[wall].spatial);
+    let wall = wall.ok_or("contact with an analytical surface that belongs to no rigid body, or to an oblique one")?;
+    if pair.law.friction_routine.is_some() {
+        return Err("*FRICTION, USER");
+    }
+    if !is_soft && pair.law.friction.largest.is_finite() {
+        return Err("TAUMAX in hard contact, whose pressures are not unique between rigid bodies,");
+    }
+    if pair.clearance.is_some() {
+        return Err("an initial clearance of a contact pair");
+    }
+    let heat = &pair.law.heat;
+    if scene.model.solves_for_temperatures() && !(heat.over_clearance.is_empty() && heat.over_pressure.is_empty()) {
+        return Err("heat conduction through contact");
+    }
+    Ok((wall, &scene.model.surfaces.analytical[analytical.surface]))
 }
 
 /// Returns the profile of the wall with its front towards the centre of mass. Warns if it was reversed.
