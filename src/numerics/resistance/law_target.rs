@@ -236,7 +236,7 @@ impl LawTarget {
     }
 
     /// Returns radial and hoop stretch of the elastic wave at a place, the radius over the distance that the wave has travelled.
-    /// Spherical: u = a (1/r² - 3 + 2 r); cylindrical: u = a (sinh T - r T), cosh T = 1/r. Equations (2.9), (2.14).
+    /// Spherical: u = a (1/r² - 3 + 2 r); cylindrical: u = a (sinh T - r T), cosh T = 1/r, as in the similarity solution.
     fn wave(&self, amplitude: f64, place: f64) -> [f64; 2] {
         let [radial, hoop] = match self.shape {
             CavityShape::Spherical => {
@@ -339,7 +339,7 @@ mod tests {
         target.pressures().and_then(|at| at(velocity)).expect("a pressure").stress
     }
 
-    /// Hopkins (1960): 2/3 (1 + ln(2E/3Y)) + 3/2 rho V²/Y. Tolerance 3e-4: Poisson's ratio is .49999. Equation (2.11).
+    /// Hopkins (1960): 2/3 (1 + ln(2E/3Y)) + 3/2 rho V²/Y. Tolerance 3e-4: Poisson's ratio is .49999.
     #[test]
     fn nearly_incompressible_pressure_matches_closed_form() {
         let young = 30e9;

@@ -169,7 +169,7 @@ impl ReturnedPoints {
 
     /// Stores stresses, moduli and energies of the block. Returns the number of deleted points. The recoverable energy of a
     /// stress is per current volume, so that the volume change of plastic flow takes a part of the plastic work; a law that
-    /// `holds_pressure` has the energy of the pressure per initial volume. Equation (20.2).
+    /// `holds_pressure` has the energy of the pressure per initial volume.
     #[inline(always)] // Likewise.
     fn finish(
         &self,
