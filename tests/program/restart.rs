@@ -483,6 +483,16 @@ fn new_meshes_resume() {
     assert!(outcome.new_meshes[0].count >= 2, "{:?}", outcome.new_meshes);
 }
 
+/// Checkpoints after new elements in a part of a body that no card names.
+#[test]
+fn patches_resume() {
+    let deck = fs::read_to_string(project("input/taylor_copper.inp")).expect("the deck");
+    let fast = deck.replacen("speed  = 227.", "speed  = 450.", 1).replacen("nr = 10\nnz = 50", "nr = 6\nnz = 30", 1);
+    let outcome = assert_resumes("patches", &fast.replacen("80.e-6", "30.e-6", 1), Routines::none);
+    let changes = outcome.new_meshes[0];
+    assert!(changes.count >= 2 && changes.new_elements < 100 * changes.count, "{changes:?}");
+}
+
 /// New meshes of bodies in contact with friction: pressures, slip and stored energies; also with temperatures, mass scaling
 /// and deleted elements.
 #[test]

@@ -49,6 +49,7 @@ mod loads;
 mod local_refinement;
 mod mass_scaling;
 mod materials;
+mod mesh_patches;
 mod meshes_at_walls;
 mod moving_mesh_volumes;
 mod oblique;

@@ -33,7 +33,10 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
     }
     if let Some(count) = summary.new_meshes {
         let lost = summary.energy.advection.unwrap_or(0.0);
-        print_out!("new meshes: {count} (NREMESH), kinetic energy lost by transport (ALLADV) {lost:.3e}");
+        let elements = summary.new_elements.unwrap_or(0);
+        print_out!(
+            "new meshes: {count} (NREMESH) with {elements} new elements, kinetic energy lost by transport (ALLADV) {lost:.3e}"
+        );
     }
     if let Some(shape) = summary.mesh_shape.filter(|shape| shape.turned_corners > 0) {
         print_out!("{} elements have a corner that has turned over", shape.turned_corners);

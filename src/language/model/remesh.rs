@@ -370,9 +370,13 @@ impl MeshRelation {
             let nodes: Vec<usize> = element.nodes.iter().map(|node| self.nodes[*node]).collect();
             mesh.elements.push(Element { nodes: nodes[..].into(), ..element.clone() });
         }
-        for quad in &revision.mesh.quads {
+        for (i, quad) in revision.mesh.quads.iter().enumerate() {
             let nodes = quad.map(|n| self.first_node + n as usize);
-            let name = element_labels.next(&like.name);
+            let name = if i < revision.unchanged {
+                old.elements[elements[revision.origins[i] as usize]].name.clone()
+            } else {
+                element_labels.next(&like.name)
+            };
             let (kind, count) = match (is_triangle(quad), like.kind.is_thermal()) {
                 (false, false) => (ElementKind::Cax4r, 4),
                 (false, true) => (ElementKind::Cax4rt, 4),

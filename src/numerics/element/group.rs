@@ -284,6 +284,8 @@ pub trait ElementTransfer {
     fn write(&mut self, elements: (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>);
     /// Returns [`crate::material::Material::volume_ratio`] of an element.
     fn volume_ratio(&self, element: u32) -> Option<f64>;
+    /// Passes all variables and masses of each element to `visit`, which may change them.
+    fn visit_elements(&mut self, elements: &[u32], visit: &mut dyn FnMut(&mut f64));
 }
 
 /// Elements of a domain after a transport, in its order.

@@ -106,6 +106,23 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
         });
     }
 
+    fn visit_elements(&mut self, elements: &[u32], visit: &mut dyn FnMut(&mut f64)) {
+        for &element in elements {
+            let (block, lanes) = (element as usize / LANES, lanes_of(element as usize, self.count));
+            let mut visit_lanes = |list: &mut Lanes| {
+                let lanes = &mut list[lanes.clone()];
+                visit(&mut lanes[0]);
+                let value = lanes[0];
+                lanes.fill(value);
+            };
+            self.wake(block / TASK);
+            self.carry(block, &mut |list, _| visit_lanes(list));
+            let ElementBlock { nodes: _, stress: _, mass, inverse_mass, state: _ } = &mut self.blocks[block];
+            visit_lanes(mass);
+            inverse_mass.iter_mut().for_each(&mut visit_lanes);
+        }
+    }
+
     fn volume_ratio(&self, element: u32) -> Option<f64> {
         let (block, lane) = (element as usize / LANES, element as usize % LANES);
         self.material.volume_ratio(&self.blocks[block].state, lane)

@@ -247,4 +247,5 @@ impl VolumetricLaw for EquationOfState {
     }
 }
 
-carried_state!(EosState { energy, burn, distension } stay { mass_factors, mass_scales });
+// A change of the mesh sets the factors of mass afterwards.
+carried_state!(EosState { energy, burn, distension, mass_factors } stay { mass_scales });

@@ -17,19 +17,24 @@ const MOST_PASSES: usize = 8;
 
 /// Returns the parts with small flows between adjacent new elements. A new outline is a chord of the old one: volume
 /// outside the chord is in the other parts of its old element, and added volume is empty. `volumes` are those of the material in
-/// the old elements.
-pub fn balanced_parts(mut parts: Vec<CommonPart>, volumes: &[f64], new: &BodyMesh) -> Vec<CommonPart> {
+/// the old elements. The first new elements, of the number `unchanged`, have no flows.
+pub fn balanced_parts(
+    mut parts: Vec<CommonPart>,
+    volumes: &[f64],
+    (new, unchanged): (&BodyMesh, usize),
+) -> Vec<CommonPart> {
     let sizes: Vec<f64> = new.quads.iter().map(|quad| quad::volume(new.corners(quad))).collect();
     let beside = neighbours(new);
     let pairs = (0..).zip(&beside).flat_map(|(a, list)| list.iter().map(move |b| [a, *b as usize]));
-    let links: Vec<[usize; 2]> = pairs.filter(|[a, b]| a < b).collect();
+    let links: Vec<[usize; 2]> = pairs.filter(|[a, b]| a < b && *a >= unchanged).collect();
     let mut balance = VolumeBalance::new(sizes.len(), ACCURACY);
     for _ in 0..MOST_PASSES {
         let mut content = vec![0.0; sizes.len()];
         for part in &parts {
             content[part.new as usize] += part.share * volumes[part.old as usize];
         }
-        let missing: Vec<f64> = sizes.iter().zip(&content).map(|(size, content)| size - content).collect();
+        let mut missing: Vec<f64> = sizes.iter().zip(&content).map(|(size, content)| size - content).collect();
+        missing[..unchanged].fill(0.0);
         if !balance.solve(links.iter().copied(), |e| sizes[e], &missing) {
             break;
         }

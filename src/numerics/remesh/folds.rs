@@ -152,7 +152,7 @@ mod tests {
     fn outline(points: &[[f64; 2]]) -> (BodyMesh, Vec<BoundaryEdge>) {
         let count = points.len() as u32;
         let mesh = BodyMesh { points: points.to_vec(), quads: Vec::new(), sizes: vec![1.0] };
-        (mesh, (0..count).map(|i| BoundaryEdge { ends: [i, (i + 1) % count], side: (0, 0) }).collect())
+        (mesh, (0..count).map(|i| BoundaryEdge { ends: [i, (i + 1) % count], side: (0, 0), is_fixed: false }).collect())
     }
 
     fn crosses(mesh: &BodyMesh, edges: &[BoundaryEdge]) -> bool {

@@ -48,6 +48,8 @@ impl Division {
 pub struct OutlineRules<'a> {
     /// Nodes of the boundary that remain.
     pub kept: &'a [bool],
+    /// Edges of the boundary that are not divided again, in ascending order.
+    pub fixed: &'a [[u32; 2]],
     /// Returns the place of a new node on the edge between two old ones, if it is not on this edge; with its distance
     /// from the first one, as a fraction of the edge.
     pub place: &'a dyn Fn([u32; 2], f64) -> Option<[f64; 2]>,
@@ -67,6 +69,9 @@ pub fn new_mesh(old: &BodyMesh, rules: &OutlineRules<'_>, limited: Option<Vec<f6
     // Nodes of a closing cavity may have passed the axis by a little.
     graded.points.iter_mut().for_each(|p| p[0] = p[0].max(0.0));
     let mut loops = loops(old)?;
+    for edge in loops.iter_mut().flatten() {
+        edge.is_fixed = rules.fixed.binary_search(&edge.ends).is_ok();
+    }
     repair(&mut graded, &mut loops, rules.kept);
     let field = SizeField::new(&graded, &middles);
     let mut best: Option<(MeshRevision, f64)> = None;
@@ -169,6 +174,7 @@ fn repair_points(all: &mut [Vec<OutlinePoint>], sizes: &[f64], kept: &[bool]) {
         let edge = |(i, point): (u32, &OutlinePoint)| BoundaryEdge {
             ends: [first + i, first + (i + 1) % count],
             side: point.side,
+            is_fixed: false,
         };
         loops.push((0..).zip(list).map(edge).collect());
         first += count;
@@ -251,7 +257,7 @@ mod tests {
     }
 
     fn rules(kept: &[bool]) -> OutlineRules<'_> {
-        OutlineRules { kept, place: &|_, _| None }
+        OutlineRules { kept, fixed: &[], place: &|_, _| None }
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod mesher;
 pub mod outline;
 pub mod overlap;
 mod pairing;
+pub mod patch;
 pub mod sheets;
 pub mod sizes;
 mod splitting;
@@ -64,14 +65,17 @@ pub struct MeshRevision {
     /// Nodes and elements.
     pub mesh: BodyMesh,
     /// For each new node the two old nodes between which it is, twice the same one at the place of this node;
-    /// [`INSIDE`] for nodes inside the body.
+    /// [`INSIDE`] for new nodes inside the body.
     pub parents: Vec<[u32; 2]>,
     /// Sides on the boundary.
     pub sides: Vec<RevisedSide>,
-    /// Displacement of each new node: that of the material at its place since the start.
-    pub displacements: Vec<[f64; 2]>,
+    /// Place at the start of each new node: its place less the displacement of the material there.
+    pub starts: Vec<[f64; 2]>,
     /// For each new element the old element at its centre.
     pub origins: Vec<u32>,
+    /// Number of elements that the old mesh has, too: the first ones, with the same nodes. Their old elements are in
+    /// `origins`. Zero if the whole body has a new mesh.
+    pub unchanged: usize,
     /// Points of histories in the new mesh, between its nodes, in the order of the nodes of the model before it whose names
     /// they have.
     pub tracers: Vec<TracerPoint>,
@@ -79,5 +83,5 @@ pub struct MeshRevision {
     pub places: Vec<[f64; 2]>,
 }
 
-/// Marks nodes that are not on the boundary.
+/// Marks new nodes that are not on the boundary.
 pub const INSIDE: u32 = u32::MAX;

@@ -20,6 +20,8 @@ pub struct BoundaryEdge {
     pub ends: [u32; 2],
     /// Index of the element, and number of its side from 0.
     pub side: (u32, u8),
+    /// Whether it is not divided again.
+    pub is_fixed: bool,
 }
 
 /// A node of the divided outline.
@@ -40,7 +42,7 @@ pub fn boundary_edges(quads: &[[u32; 4]]) -> Vec<BoundaryEdge> {
         for side in 0..4 {
             let ends = [quad[side], quad[(side + 1) % 4]];
             if ends[0] != ends[1] && open.remove(&[ends[1], ends[0]]).is_none() {
-                open.insert(ends, BoundaryEdge { ends, side: (e as u32, side as u8) });
+                open.insert(ends, BoundaryEdge { ends, side: (e as u32, side as u8), is_fixed: false });
             }
         }
     }
@@ -70,9 +72,9 @@ pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
     Some(all_loops)
 }
 
-/// Divides a loop into edges of about `factor` times the sizes of the elements. Corners, and the nodes that are `kept`,
-/// remain; the number of edges between two remaining nodes is a multiple of `multiple`. A loop that is too short for three edges
-/// keeps all its nodes.
+/// Divides a loop into edges of about `factor` times the sizes of the elements. Corners, the nodes that are `kept`, and fixed
+/// edges remain; the number of edges between two remaining nodes is a multiple of `multiple`, except between fixed edges. A
+/// loop that is too short for three edges keeps all its nodes.
 pub fn divide(
     mesh: &BodyMesh,
     edges: &[BoundaryEdge],
@@ -84,6 +86,10 @@ pub fn divide(
     for (i, &start) in starts.iter().enumerate() {
         let end = if i + 1 < starts.len() { starts[i + 1] } else { starts[0] + edges.len() };
         let run: Vec<BoundaryEdge> = (start..end).map(|at| edges[at % edges.len()]).collect();
+        if run[0].is_fixed {
+            points.extend(run.iter().map(|edge| old_node(mesh, edge)));
+            continue;
+        }
         divide_run(mesh, &run, (factor, multiple), &mut points);
     }
     if points.len() < 3 {
@@ -92,12 +98,18 @@ pub fn divide(
     points
 }
 
-/// Returns the positions of nodes that must remain, at least one.
+/// Returns the positions of nodes that must remain, at least one; of a run of fixed edges only the ends.
 fn ends_of_runs(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool]) -> Vec<usize> {
     let count = edges.len();
     let sharpness = |at: usize| cosine_between(mesh, [&edges[(at + count - 1) % count], &edges[at]]);
-    let is_kept = |at: usize| kept[edges[at].ends[0] as usize];
-    let mut corners: Vec<usize> = (0..count).filter(|&at| !is_kept(at) && is_corner(sharpness(at))).collect();
+    let fixed_edges = |at: usize| [(at + count - 1) % count, at].inline_map(|i| edges[i].is_fixed);
+    let is_kept = |at: usize| match fixed_edges(at) {
+        [true, true] => false,
+        [false, false] => kept[edges[at].ends[0] as usize],
+        _ => true,
+    };
+    let is_free_corner = |at: &usize| fixed_edges(*at) == [false; 2] && !is_kept(*at) && is_corner(sharpness(*at));
+    let mut corners: Vec<usize> = (0..count).filter(is_free_corner).collect();
     corners.sort_by(|a, b| sharpness(*a).total_cmp(&sharpness(*b)).then(a.cmp(b)));
     let mut positions: Vec<usize> = (0..count).filter(|&at| is_kept(at)).collect();
     for corner in corners {

@@ -22,15 +22,20 @@ pub struct CommonPart {
 const SLIVER: f64 = 1e-12;
 
 /// Returns the common parts of two meshes of a body, by old element. Outlines may differ a little: what is outside the
-/// new one is distributed over the parts of its element.
-pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
+/// new one is distributed over the parts of its element. `unchanged` are the old elements that are the first new ones, in
+/// ascending order; each is one part.
+pub fn common_parts(old: &BodyMesh, new: &BodyMesh, unchanged: &[u32]) -> Vec<CommonPart> {
     let cells: Vec<[[f64; 2]; 4]> = new.quads.iter().map(|quad| new.corners(quad)).collect();
     let mut boxes = SortedBoxes::with_capacity(cells.len());
-    boxes.sort(cells.iter().map(|cell| box_of(cell)).zip(0..));
+    boxes.sort(cells.iter().map(|cell| box_of(cell)).zip(0..).skip(unchanged.len()));
     let mut parts: Vec<CommonPart> = Vec::new();
     let (mut near, mut polygon, mut work) = (Vec::new(), Vec::new(), Vec::new());
     for (e, quad) in (0..).zip(&old.quads) {
         let (own_corners, first) = (old.corners(quad), parts.len());
+        if let Ok(new) = unchanged.binary_search(&e) {
+            parts.push(CommonPart { old: e, new: new as u32, share: 1.0, centre: ring(&own_corners).1 });
+            continue;
+        }
         near.clear();
         boxes.near(box_of(&own_corners), 0.0, |n| near.push(n));
         near.sort_unstable();
@@ -56,7 +61,7 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
         }
         if parts.len() == first {
             let centre = middle(own_corners);
-            parts.push(CommonPart { old: e, new: nearest(&cells, centre), share: 1.0, centre });
+            parts.push(CommonPart { old: e, new: nearest(&cells, unchanged.len(), centre), share: 1.0, centre });
         }
         let sum: f64 = parts[first..].iter().map(|part| part.share).sum();
         parts[first..].iter_mut().for_each(|part| part.share /= sum);
@@ -64,9 +69,10 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
     parts
 }
 
-fn nearest(cells: &[[[f64; 2]; 4]], place: [f64; 2]) -> u32 {
+/// Returns the element from `first` on whose middle is nearest to a place.
+fn nearest(cells: &[[[f64; 2]; 4]], first: usize, place: [f64; 2]) -> u32 {
     let apart = |cell: &[[f64; 2]; 4]| distance(middle(*cell), place);
-    let closest = (0..).zip(cells).min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
+    let closest = (0..).zip(cells).skip(first).min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
     closest.map_or(0, |(index, _)| index)
 }
 

@@ -179,7 +179,7 @@ mod tests {
     }
 
     fn remeshed(mesh: &BodyMesh, sizes: Vec<f64>) -> MeshRevision {
-        let rules = OutlineRules { kept: &vec![false; mesh.points.len()], place: &|_, _| None };
+        let rules = OutlineRules { kept: &vec![false; mesh.points.len()], fixed: &[], place: &|_, _| None };
         new_mesh(mesh, &rules, Some(sizes)).expect("a mesh")
     }
 

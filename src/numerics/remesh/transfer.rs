@@ -186,15 +186,21 @@ impl<'a> MeshTransfer<'a> {
         share
     }
 
-    /// Returns the velocities of the new nodes: those of the old mesh at their places, corrected in each new element so
-    /// that it has the momentum of its parts. Components that are `held` are not corrected. Equation (18.11).
-    pub fn velocities(&self, motion: &BodyMotion, masses: &[[f64; 4]], held: &[[bool; 2]]) -> Vec<[f64; 2]> {
+    /// Returns the velocities of the new nodes: those of the old mesh at their places, corrected in each new element, after the
+    /// first ones of the number `unchanged`, so that it has the momentum of its parts. Components that are `held` are not
+    /// corrected. Equation (18.11).
+    pub fn velocities(
+        &self,
+        motion: &BodyMotion,
+        (masses, unchanged): (&[[f64; 4]], usize),
+        held: &[[bool; 2]],
+    ) -> Vec<[f64; 2]> {
         let momentum = self.momentum_of_elements(motion);
         let mut velocities = interpolated(self.old, &motion.velocities, &self.new.points);
         let mut node_mass = vec![0.0; velocities.len()];
         let mut added = vec![[0.0; 2]; velocities.len()];
-        for ((quad, masses), momentum) in self.new.quads.iter().zip(masses).zip(&momentum) {
-            for axis in 0..2 {
+        for (e, ((quad, masses), momentum)) in self.new.quads.iter().zip(masses).zip(&momentum).enumerate() {
+            for axis in (0..2).filter(|_| e >= unchanged) {
                 let corners = || quad.iter().zip(masses);
                 let own_momentum: f64 = corners().map(|(n, mass)| mass * velocities[*n as usize][axis]).sum();
                 let free = |n: &u32| !held[*n as usize][axis];
@@ -306,7 +312,7 @@ mod tests {
             }
         }
         let kept_nodes = vec![false; mesh.points.len()];
-        let rules = OutlineRules { kept: &kept_nodes, place: &|_, _| None };
+        let rules = OutlineRules { kept: &kept_nodes, fixed: &[], place: &|_, _| None };
         let new = new_mesh(&mesh, &rules, None).expect("a mesh");
         [mesh, new.mesh]
     }
@@ -339,10 +345,10 @@ mod tests {
         for n in [8, 16, 32] {
             let [old, new] = meshes(n);
             let (values, motion) = state(&old);
-            let transfer = MeshTransfer::new([&old, &new], common_parts(&old, &new), &motion.masses);
+            let transfer = MeshTransfer::new([&old, &new], common_parts(&old, &new, &[]), &motion.masses);
             let masses = transfer.masses();
             let held_axes: Vec<[bool; 2]> = new.points.iter().map(|p| [p[0] == 0.0, false]).collect();
-            let velocities = transfer.velocities(&motion, &masses, &held_axes);
+            let velocities = transfer.velocities(&motion, (&masses, 0), &held_axes);
             let moved = transfer.values(&values);
             let whole = |m: &[f64; 4]| m.iter().sum::<f64>();
             let sum = |masses: &[[f64; 4]], values: &[Pack]| {

@@ -37,8 +37,8 @@ use crate::plan::ledger::Ledger;
 use crate::plan::{self, CompiledModel, Plan, PlannedRange, State};
 use crate::solve::{
     self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
-    MeshShape, Outcome, PenetrationSummary, Progress, RangeShare, RunControl, RunPosition, Sink, SinkError,
-    StepSummary, UnfitState,
+    MeshChanges, MeshShape, Outcome, PenetrationSummary, Progress, RangeShare, RunControl, RunPosition, Sink,
+    SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
@@ -281,6 +281,9 @@ pub struct RunSummary {
     /// Number of new meshes of all bodies; `None` without `*REMESH`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub new_meshes: Option<u64>,
+    /// Number of elements that these meshes together did not have from the mesh before them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub new_elements: Option<u64>,
     /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_shape: Option<MeshShape>,
@@ -747,6 +750,9 @@ pub fn run_with<'a>(
     if let Some(MeshShape { smallest_angle, turned_corners }) = summary.mesh_shape {
         status.note(&format!("SMALLEST ANGLE {smallest_angle:.1}, ELEMENTS WITH A TURNED CORNER {turned_corners}"));
     }
+    if let (Some(count), Some(elements)) = (summary.new_meshes, summary.new_elements) {
+        status.note(&format!("NEW MESHES {count}, NEW ELEMENTS {elements}"));
+    }
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
     status.failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     provenance.iter_mut().for_each(Provenance::end);
@@ -837,16 +843,6 @@ fn announce_to_user(prepared: &PreparedJob, job: &JobFiles) {
 fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> RunSummary {
     let deck = &prepared.deck;
     let mut ledger = prepared.plan.ledger.clone();
-    ledger.set_time_shares(&outcome.effect_seconds, outcome.seconds);
-    for changes in &outcome.mesh_changes {
-        ledger.add_result(changes.row, &format!("NADAPT {}", changes.count));
-    }
-    for changes in &outcome.new_meshes {
-        ledger.add_result(changes.row, &format!("NREMESH {}", changes.count));
-        if changes.removed_mass > 0.0 {
-            ledger.add_result(changes.row, &format!("mass of sheets left out {:.4e}", changes.removed_mass));
-        }
-    }
     for share in &outcome.ranges {
         let is_same = |planned: &&PlannedRange| {
             planned.material == share.material && planned.range.quantity.name() == share.quantity
@@ -855,6 +851,22 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
             let basis = planned.range.quantity.basis();
             ledger
                 .add_result(planned.row, &format!("{:.1} % of {basis} beyond {}", 100.0 * share.share, share.quantity));
+        }
+    }
+    // The following rows are those of the last mesh.
+    for (row, added) in outcome.added_rows {
+        ledger.effects.insert(row.min(ledger.effects.len()), added);
+    }
+    ledger.set_time_shares(&outcome.effect_seconds, outcome.seconds);
+    for changes in &outcome.mesh_changes {
+        ledger.add_result(changes.row, &format!("NADAPT {}", changes.count));
+    }
+    for changes in &outcome.new_meshes {
+        let MeshChanges { count, new_elements, lost_energy, .. } = *changes;
+        let text = format!("NREMESH {count}, {new_elements} new elements, ALLADV {lost_energy:.3e}");
+        ledger.add_result(changes.row, &text);
+        if changes.removed_mass > 0.0 {
+            ledger.add_result(changes.row, &format!("mass of sheets left out {:.4e}", changes.removed_mass));
         }
     }
     let message = "the error from the mesh, and noise, are not known: they are estimated with --uncertainty or a study";
@@ -887,6 +899,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         mesh_changes: outcome.mesh_changes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
         mesh_shape: outcome.mesh_shape,
         new_meshes: outcome.new_meshes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
+        new_elements: outcome.new_meshes.iter().map(|changes| changes.new_elements).reduce(|sum, count| sum + count),
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),

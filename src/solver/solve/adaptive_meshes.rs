@@ -68,7 +68,7 @@ fn take_thermal_strains(
 
 /// Returns the number of changes of a domain.
 pub(super) fn changes_of(domain: &AdaptiveDomain) -> MeshChanges {
-    MeshChanges { row: domain.id, count: domain.changes(), removed_mass: 0.0 }
+    MeshChanges { row: domain.id, count: domain.changes(), ..MeshChanges::default() }
 }
 
 /// New places of the nodes of all domains.

@@ -7,9 +7,11 @@ use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::smallest_sine;
 use crate::kernel::topology::ElementTopology;
+use crate::plan::ledger::LedgerRow;
 use crate::plan::{AutomaticMeshes, FirstMesh, Plan, RemeshedBody, State};
+use crate::remesh::MeshRevision;
 use crate::remesh::mesher::sharpest;
-use crate::remesh::{BodyMesh, MeshRevision};
+use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::variables::Variable;
 
@@ -35,10 +37,15 @@ pub(super) struct MeshQuality {
     price: f64,
     /// Increment before which the mesh is not checked.
     pub(super) next: u64,
-    /// Number of new meshes.
+    /// Number of new meshes, and of their elements that the mesh before did not have.
     count: u64,
+    new_elements: u64,
+    /// Kinetic energy that they lost.
+    pub(super) lost_energy: f64,
     /// Mass of sheets that they left out.
     pub(super) removed_mass: f64,
+    /// Whether the last mesh had new elements in a part of the body only, and no larger stable time increment.
+    is_patch_useless: bool,
 }
 
 impl MeshQuality {
@@ -94,16 +101,25 @@ impl MeshQuality {
     }
 
     /// Begins a new mesh. `stable` are the stable time increments on the old and the new mesh.
-    pub(super) fn begin_mesh(&mut self, body: &RemeshedBody, mesh: &BodyMesh, stable: [f64; 2]) {
+    pub(super) fn begin_mesh(&mut self, body: &RemeshedBody, revision: &MeshRevision, stable: [f64; 2]) {
+        let mesh = &revision.mesh;
         let angle = sharpest(&mesh.quads, |n| mesh.points[n as usize]);
         self.limit = body.angle.min(WORSE * angle);
         self.count += 1;
+        self.new_elements += (mesh.quads.len() - revision.unchanged) as u64;
         if body.automatic {
+            let is_better = stable[1] > BETTER * stable[0];
             self.excess = 0.0;
-            self.price = if stable[1] > BETTER * stable[0] { PRICE } else { 2.0 * self.price };
+            self.price = if is_better { PRICE } else { 2.0 * self.price };
+            self.is_patch_useless = revision.unchanged > 0 && !is_better;
         } else {
             self.increment = 0.0;
         }
+    }
+
+    /// Returns whether the next mesh may have new elements in a part of the body only.
+    pub(super) fn allows_patch(&self) -> bool {
+        !self.is_patch_useless
     }
 
     /// Returns whether this is the first new mesh of its body.
@@ -144,6 +160,13 @@ pub(super) fn shape_of(state: &State) -> Option<MeshShape> {
     (count > 0).then(|| MeshShape { smallest_angle: libm::asin(smallest).to_degrees(), turned_corners })
 }
 
+/// Returns the ledger rows of bodies with new meshes that no card names, which the plan of the deck does not have.
+pub(super) fn added_rows(plan: &Plan) -> Vec<(EffectId, LedgerRow)> {
+    let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).filter(|body| body.automatic);
+    let rows = bodies.filter_map(|body| body.id);
+    rows.map(|row| (row, plan.ledger.effects[row].clone())).collect()
+}
+
 /// New meshes of a run.
 #[derive(Debug, Default, Persist)]
 #[persist(derived: revisions)]
@@ -180,7 +203,8 @@ impl RemeshMonitor {
     pub(super) fn counts(&self, plan: &Plan) -> Vec<MeshChanges> {
         let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).zip(&self.bodies);
         let changes = |(body, quality): (&RemeshedBody, &MeshQuality)| {
-            Some(MeshChanges { row: body.id?, count: quality.count, removed_mass: quality.removed_mass })
+            let MeshQuality { count, new_elements, lost_energy, removed_mass, .. } = *quality;
+            Some(MeshChanges { row: body.id?, count, new_elements, lost_energy, removed_mass })
         };
         bodies.filter_map(changes).collect()
     }

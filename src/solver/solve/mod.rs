@@ -15,6 +15,7 @@ mod guard;
 mod increment;
 mod limits;
 mod masses;
+mod mesh_patch;
 mod mesh_quality;
 mod new_mesh_state;
 mod observe;
@@ -52,8 +53,8 @@ pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{
-    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, RangeShare, RunEnd,
-    StepSummary,
+    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshChanges, MeshShape, Outcome, PenetrationSummary, RangeShare,
+    RunEnd, StepSummary,
 };
 pub use position::RunPosition;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
@@ -256,6 +257,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     }
     outcome.deleted = current.state.elements.deleted();
     outcome.new_meshes = remesh.counts(plan);
+    outcome.added_rows = mesh_quality::added_rows(plan);
     outcome.mesh_shape = mesh_quality::shape_of(&current.state);
     outcome.energy = current.energy();
     outcome.mesh_changes.extend(current.state.adaptive.iter().map(adaptive_meshes::changes_of));

@@ -26,7 +26,7 @@ use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::magnitude::AmplitudeClock;
-use crate::state::nodes::Node;
+use crate::state::nodes::{Node, Nodes};
 
 /// A body with its old mesh, of the elements that are neither deleted nor left out, and its new one.
 #[derive(Clone, Copy)]
@@ -142,11 +142,7 @@ impl MeshChange<'_> {
             for pair in pairs {
                 if let (Some(&n), Some(&from)) = pair {
                     places[n] = Some(PreviousPlace::at(from));
-                    let (nodes, previous) = (&mut self.state.dofs.nodes, &self.old.dofs.nodes);
-                    let [v_r, v_z] = previous.velocity_now(from);
-                    nodes[n] = previous[from];
-                    (nodes[n].v_r, nodes[n].v_z) = (v_r, v_z);
-                    (nodes.mass[n], nodes.inverse_mass[n]) = (previous.mass[from], previous.inverse_mass[from]);
+                    copy_node((&mut self.state.dofs.nodes, n), (&self.old.dofs.nodes, from));
                 }
             }
         }
@@ -164,9 +160,12 @@ impl MeshChange<'_> {
         self.old.elements.remove_scaling(self.old_body.group);
         let old_masses = living.masses(self.old);
         let volumes = living.material_volumes(self.old, old_mesh);
-        let parts = balanced_parts(common_parts(old_mesh, &revision.mesh), &volumes, &revision.mesh);
+        let unchanged = &revision.origins[..revision.unchanged];
+        let parts = common_parts(old_mesh, &revision.mesh, unchanged);
+        let parts = balanced_parts(parts, &volumes, (&revision.mesh, unchanged.len()));
         let transfer = MeshTransfer::new([old_mesh, &revision.mesh], parts, &old_masses);
-        let masses = transfer.masses();
+        let mut masses = transfer.masses();
+        masses.iter_mut().zip(unchanged).for_each(|(masses, e)| *masses = old_masses[*e as usize]);
         let moved = BodyTransfer { living, transfer, old_masses, masses, volumes };
         self.move_element_variables(&moved);
         self.move_temperatures(&moved, &places);
@@ -207,11 +206,27 @@ impl MeshChange<'_> {
             let arrived = ArrivedElements { masses: &of_group, corners: &corners, places: &after.points };
             let in_order: Vec<u32> = (0..count as u32).collect();
             into.write((&in_order, &vec![true; count]), &sorted, arrived);
-            for (i, volume) in transfer.content(volumes).iter().enumerate() {
+            for (i, volume) in transfer.content(volumes).iter().enumerate().skip(self.mesh.revision.unchanged) {
                 let ratio = volume / quad::volume(after.corners(&after.quads[i]));
                 group.set(self.body.elements[i] as usize, PointValue::VolumeRatio(ratio));
             }
         }
+        self.copy_unchanged_elements();
+    }
+
+    /// Copies the state of the elements that the new mesh has from the old one.
+    fn copy_unchanged_elements(&mut self) {
+        let revision = self.mesh.revision;
+        let [from, to] =
+            [&mut self.old.elements.groups[self.old_body.group], &mut self.state.elements.groups[self.body.group]]
+                .map(|group| group.transfer());
+        let (Some(from), Some(to)) = (from, to) else { return };
+        let unchanged = &revision.origins[..revision.unchanged];
+        let old: Vec<u32> = unchanged.iter().map(|e| self.old_body.elements[*e as usize]).collect();
+        let mut values = Vec::new();
+        from.visit_elements(&old, &mut |value| values.push(*value));
+        let mut values = values.into_iter();
+        to.visit_elements(&self.body.elements[..old.len()], &mut |value| *value = values.next().unwrap_or_default());
     }
 
     /// Moves temperatures and thermal strains. The heat that the nodes contain is conserved.
@@ -233,7 +248,7 @@ impl MeshChange<'_> {
                 };
                 let velocities = old_body.nodes.iter().zip(node_masses).map(content).collect();
                 let motion = BodyMotion { velocities, ..of_nodes };
-                let per_mass = transfer.velocities(&motion, masses, &vec![[false; 2]; nodes.len()]);
+                let per_mass = transfer.velocities(&motion, (masses, 0), &vec![[false; 2]; nodes.len()]);
                 let arrived = BodyMotion { masses: masses.clone(), velocities: Vec::new() };
                 let node_masses = arrived.node_masses(transfer.new_mesh());
                 for ((n, mass), [content, _]) in nodes.iter().zip(node_masses).zip(per_mass) {
@@ -284,7 +299,8 @@ impl MeshChange<'_> {
         let prescribed: HashSet<(usize, usize)> = prescribed_motions(&self.state.constraints).collect();
         let is_prescribed = |n: &usize| [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
         let fixed: Vec<[bool; 2]> = self.body.nodes.iter().map(is_prescribed).collect();
-        let velocities = transfer.velocities(&motion, &masses, &fixed);
+        let revision = self.mesh.revision;
+        let velocities = transfer.velocities(&motion, (&masses, revision.unchanged), &fixed);
         let arrived = BodyMotion { masses, velocities };
         let (after, mass) = (transfer.new_mesh(), arrived.node_masses(transfer.new_mesh()));
         let points = self.point_masses();
@@ -294,9 +310,26 @@ impl MeshChange<'_> {
             nodes[*n] = Node { r, z, v_r, v_z };
             (nodes.mass[*n], nodes.inverse_mass[*n]) = (mass[i], 1.0 / mass[i]);
         }
-        for (n, mass) in points {
+        let unchanged = self.copy_unchanged_nodes();
+        for (n, mass) in points.into_iter().filter(|(n, _)| !unchanged.contains(n)) {
             self.add_point_mass(n, mass);
         }
+    }
+
+    /// Copies the motion and the masses of nodes whose elements have not changed. Returns these nodes.
+    fn copy_unchanged_nodes(&mut self) -> HashSet<usize> {
+        let revision = self.mesh.revision;
+        let (unchanged, renewed) = revision.mesh.quads.split_at(revision.unchanged);
+        let mut nodes: HashSet<u32> = unchanged.iter().flatten().copied().collect();
+        renewed.iter().flatten().for_each(|n| _ = nodes.remove(n));
+        let (of_new, of_old) = (&mut self.state.dofs.nodes, &self.old.dofs.nodes);
+        let copy = |i: u32| {
+            let n = self.body.nodes[i as usize];
+            let from = self.old_body.nodes[revision.parents[i as usize][0] as usize];
+            copy_node((of_new, n), (of_old, from));
+            n
+        };
+        nodes.into_iter().map(copy).collect()
     }
 
     /// Returns the nodes of the body with point masses.
@@ -404,6 +437,13 @@ impl LivingElements {
         from.read((&in_order, &vec![true; count]), &mut values);
         values.iter().map(|list| self.elements.iter().map(|e| list[*e as usize]).collect()).collect()
     }
+}
+
+/// Copies place, velocity at this instant and mass of a node.
+fn copy_node((nodes, n): (&mut Nodes, usize), (previous, from): (&Nodes, usize)) {
+    let [v_r, v_z] = previous.velocity_now(from);
+    nodes[n] = Node { v_r, v_z, ..previous[from] };
+    (nodes.mass[n], nodes.inverse_mass[n]) = (previous.mass[from], previous.inverse_mass[from]);
 }
 
 /// Copies the state of an object to another one of the same plan.

@@ -274,7 +274,7 @@ impl RunOutput {
         let began = Stopwatch::now();
         let is_over = run.is_over();
         let result = self.show_due(&run.current, is_over, sink);
-        run.timing.add_output(began.elapsed().as_secs_f64());
+        run.timing.add_whole(run.current.plan.rows.output, began.elapsed().as_secs_f64());
         result
     }
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::energy::Energy;
 use super::limits::IncrementLimits;
 use crate::load::PenetrationOutcome;
+use crate::plan::ledger::LedgerRow;
 use crate::state::EffectId;
 use crate::state::halt::HaltReason;
 
@@ -13,7 +14,7 @@ use crate::state::halt::HaltReason;
 #[derive(Clone, Debug, Default, Serialize, Persist)]
 // Halts and results at the end do not exist yet; run times belong to this process.
 #[persist(
-    derived: ranges, new_meshes, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
+    derived: ranges, new_meshes, added_rows, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
         deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
 )]
 pub struct Outcome {
@@ -44,8 +45,11 @@ pub struct Outcome {
     pub deleted: usize,
     /// Changes of the adaptive meshes of each ledger row. During a run only those of domains that have ended.
     pub mesh_changes: Vec<MeshChanges>,
-    /// Number of new meshes of each body of `*REMESH`.
+    /// Number of new meshes of each body of `*REMESH`, and of each body that has one without a card.
     pub new_meshes: Vec<MeshChanges>,
+    /// Ledger rows that the plan at the end has and the first one does not, with their indices.
+    #[serde(skip)]
+    pub added_rows: Vec<(EffectId, LedgerRow)>,
     /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
     pub mesh_shape: Option<MeshShape>,
     /// Shares of materials beyond the range of their constants.
@@ -76,6 +80,10 @@ pub struct MeshChanges {
     pub row: EffectId,
     /// Number of changes in which nodes moved.
     pub count: u64,
+    /// Number of elements that all new meshes together did not have from the mesh before them.
+    pub new_elements: u64,
+    /// Kinetic energy that new meshes lost, a part of ALLADV.
+    pub lost_energy: f64,
     /// Mass of sheets that new meshes left out.
     pub removed_mass: f64,
 }

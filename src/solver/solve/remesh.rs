@@ -1,10 +1,13 @@
 //! New meshes of bodies in the time loop. A plan belongs to one mesh; the run continues with the plan of the model with
 //! the new mesh, from the state that is transferred to it at the current instant.
 
+use std::time::Instant as Stopwatch;
+
 use super::body_forces::BodyForces;
 use super::energy::EnergyBalance;
 use super::increment::IncrementController;
 use super::masses::MassMonitor;
+use super::mesh_patch::{can_have_patch, starts};
 use super::mesh_quality::RemeshMonitor;
 use super::new_mesh_state::{ReplacedMesh, take_over};
 use super::observe::RunOutput;
@@ -24,8 +27,9 @@ use crate::kernel::shape::middle;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, movable_nodes_of_histories, required_nodes, revised};
 use crate::plan::{self, CompiledModel, FirstMesh, Plan, RemeshPlan, State};
-use crate::remesh::interpolation::{TracerPoint, interpolated, places_in_triangles};
+use crate::remesh::interpolation::{TracerPoint, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
+use crate::remesh::patch::new_patch;
 use crate::remesh::sheets::thin_elements;
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 use crate::state::Instant;
@@ -91,6 +95,16 @@ impl DetachedRun {
         DetachedRun { state: run.current.state, body_forces: run.current.body_forces, history }
     }
 
+    #[cfg(test)]
+    pub(super) fn state(&self) -> &State {
+        &self.state
+    }
+
+    #[cfg(test)]
+    pub(super) fn monitor(&self) -> &RemeshMonitor {
+        &self.history.remesh
+    }
+
     /// Continues the run with its plan.
     pub(super) fn attach<'a>(self, plan: &'a Plan, position: Option<&'a RunPosition>) -> SolverRun<'a> {
         let mut run = SolverRun::new(plan, self.state, position);
@@ -143,10 +157,9 @@ fn place_starts(plan: &mut Plan, state: &mut State, revisions: &[MeshRevision]) 
     for (index, body) in remesh.bodies.iter().enumerate() {
         let Some(last) = revisions.iter().rev().find(|revision| revision.body == index) else { continue };
         let of_model = ModelBody::new(&remesh.model, index);
-        for (i, u) in last.displacements.iter().enumerate() {
-            let start = [0, 1].inline_map(|k: usize| last.mesh.points[i][k] - u[k]);
-            state.dofs.nodes.start[body.nodes[i]] = start;
-            plan.mesh.points[of_model.nodes[i]] = start;
+        for (i, start) in last.starts.iter().enumerate() {
+            state.dofs.nodes.start[body.nodes[i]] = *start;
+            plan.mesh.points[of_model.nodes[i]] = *start;
         }
     }
 }
@@ -160,6 +173,7 @@ pub(super) fn next_mesh(
     body: usize,
     observing: &mut RunOutput,
 ) -> Result<Option<NextMesh>, HaltReason> {
+    let began = Stopwatch::now();
     let (old_plan, old_increment) = (run.current.plan, run.current.state.elements.stable_increment());
     let waiting = old_plan.automatic_meshes.as_ref();
     let trigger = waiting.and_then(|waiting| waiting.triggers().nth(body)).map(|(_, trigger)| trigger);
@@ -167,7 +181,7 @@ pub(super) fn next_mesh(
     let Some(remesh) = first.as_ref().or(old_plan.remesh.as_deref()) else { return Ok(None) };
     let planned = &remesh.bodies[body];
     let Some(BodyRevision { old: old_mesh, living, left_out, revision }) =
-        body_revision(&run.current, &run.remesh.revisions, body, remesh)
+        body_revision(&run.current, &run.remesh, body, remesh)
     else {
         pause(run, body, remesh);
         return Ok(None);
@@ -201,15 +215,23 @@ pub(super) fn next_mesh(
     RunHistory::take(run).give_to(&mut next);
     let mesh = ReplacedMesh { body, old_plan: remesh, old: &old_mesh, living: &living, revision: &revision };
     take_over(&mut next.current, &mut run.current, mesh);
-    if let Err(halt) = evaluate_new_mesh(&mut next, kinetic) {
-        RunHistory::take(&mut next).give_to(run);
-        return Err(halt);
-    }
+    let lost_energy = match evaluate_new_mesh(&mut next, kinetic) {
+        Ok(lost_energy) => lost_energy,
+        Err(halt) => {
+            RunHistory::take(&mut next).give_to(run);
+            return Err(halt);
+        }
+    };
     let increments = [old_increment, next.current.state.elements.stable_increment()];
-    next.remesh.bodies[body].begin_mesh(planned, &revision.mesh, increments);
-    if planned.automatic && next.remesh.bodies[body].is_first() {
-        warn_of_first_mesh(&mut next, &remesh.model.remeshings[body].set, trigger, increments);
+    let quality = &mut next.remesh.bodies[body];
+    quality.begin_mesh(planned, &revision, increments);
+    quality.lost_energy += lost_energy;
+    if planned.automatic && quality.is_first() {
+        let counts = [old_mesh.quads.len(), revision.mesh.quads.len()].map(|count| count - revision.unchanged);
+        warn_of_first_mesh(&mut next, (body, remesh), (trigger, counts), increments);
     }
+    let row = plan.remesh.as_ref().and_then(|remesh| remesh.bodies[body].id);
+    next.timing.add_whole(row, began.elapsed().as_secs_f64());
     output.follow(std::mem::replace(observing, RunOutput::new(&plan)), &next.current.now);
     *observing = output;
     let run = DetachedRun::detach(next);
@@ -231,8 +253,20 @@ fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
     }
 }
 
-/// Reports that a body that no card names has a new mesh.
-fn warn_of_first_mesh(run: &mut SolverRun<'_>, material: &str, trigger: Option<FirstMesh>, [old, new]: [f64; 2]) {
+/// Reports that a body that no card names has a new mesh: the trigger, the numbers of replaced and of new elements, and the
+/// stable time increments before and after it.
+fn warn_of_first_mesh(
+    run: &mut SolverRun<'_>,
+    (body, remesh): (usize, &RemeshPlan),
+    (trigger, [replaced, renewed]): (Option<FirstMesh>, [usize; 2]),
+    [old, new]: [f64; 2],
+) {
+    let (material, all) = (&remesh.model.remeshings[body].set, remesh.bodies[body].quads.len());
+    let change = if replaced < all {
+        format!("{replaced} of its {all} elements are replaced by {renewed} new ones")
+    } else {
+        "the body has a new mesh".into()
+    };
     let cause = match trigger {
         Some(FirstMesh::Turned(_)) => {
             format!("a corner of the adaptive mesh of material {material} has turned over, and")
@@ -240,8 +274,8 @@ fn warn_of_first_mesh(run: &mut SolverRun<'_>, material: &str, trigger: Option<F
         _ => format!("plastic flow has squashed elements of the body of material {material} until"),
     };
     let text = format!(
-        "{cause} the stable time increment fell to {old:.3e}: at time {:.4e} the body has a new mesh, with {new:.3e}. It is \
-         remeshed from now on, as with *REMESH, which has options for it; *REMESH, AUTOMATIC=NO keeps the mesh",
+        "{cause} the stable time increment fell to {old:.3e}: at time {:.4e} {change}, and the stable time increment is {new:.3e}. The mesh is \
+         repaired from now on whenever it collapses; *REMESH has options for new meshes, and *REMESH, AUTOMATIC=NO keeps the mesh",
         run.current.now.total_time
     );
     run.report.outcome.warn("R319", text);
@@ -281,16 +315,16 @@ fn leave_out(run: &mut SolverRun<'_>, (body, remesh): (usize, &RemeshPlan), left
     }
 }
 
-/// Returns the mesh of a body at this instant, and the one that replaces it. `revisions` are the previous new meshes.
+/// Returns the mesh of a body at this instant, and the one that replaces it. `monitor` has the previous new meshes.
 fn body_revision(
     run: &RunState<'_>,
-    revisions: &[MeshRevision],
+    monitor: &RemeshMonitor,
     body: usize,
     remesh: &RemeshPlan,
 ) -> Option<BodyRevision> {
     let (planned, model, nodes) = (&remesh.bodies[body], &remesh.model, &run.state.dofs.nodes);
     let of_model = ModelBody::new(model, body);
-    let last = revisions.iter().rev().find(|revision| revision.body == body);
+    let last = monitor.revisions.iter().rev().find(|revision| revision.body == body);
     let sizes = match (model.remeshings[body].size, last) {
         (Some(size), _) => vec![size; planned.quads.len()],
         (None, Some(last)) => last.mesh.sizes.clone(),
@@ -334,13 +368,17 @@ fn body_revision(
         let ends = ends.inline_map(|n| planned.nodes[n as usize]);
         run.contacts().find_map(|contact| contact.place_between(ends, share, &run.state.dofs))
     };
-    let rules = OutlineRules { kept: &kept, place: &place_between };
-    let mut new = new_mesh(&old, &rules, limited)?;
+    let rules = OutlineRules { kept: &kept, fixed: &[], place: &place_between };
+    let allows_patch = monitor.bodies[body].allows_patch() && can_have_patch(run, planned, &living);
+    let patch = if allows_patch { new_patch(&old, &rules) } else { None };
+    let mut new = match patch {
+        Some(patch) => patch,
+        None => new_mesh(&old, &rules, limited)?,
+    };
     new.body = body;
     new.origins.iter_mut().for_each(|origin| *origin = living[*origin as usize] as u32);
     new.sides.iter_mut().for_each(|side| side.old.0 = living[side.old.0 as usize] as u32);
-    let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes.displacement(*n)).collect();
-    new.displacements = interpolated(&old, &moved, &new.mesh.points);
+    new.starts = starts(run, planned, (&old, &new));
     new.tracers = tracers(run, model, (&of_model, &old), &new);
     new.places = if model.constraints.ties.is_empty() { Vec::new() } else { node_places(run, model) };
     Some(BodyRevision { old, living, left_out, revision: new })
@@ -422,14 +460,15 @@ fn complete_velocities(state: &mut State) -> f64 {
 }
 
 /// Evaluates the forces of the new mesh at the instant at which the old one was left. `old_kinetic` is the kinetic energy
-/// on the old mesh; its loss is that of the transfer.
-fn evaluate_new_mesh(run: &mut SolverRun<'_>, old_kinetic: f64) -> Result<(), HaltReason> {
+/// on the old mesh. Returns its loss, which is that of the transfer.
+fn evaluate_new_mesh(run: &mut SolverRun<'_>, old_kinetic: f64) -> Result<f64, HaltReason> {
     run.begin_nodes(true)?;
     run.current.show_own_velocity();
     run.evaluate_accelerations()?;
     let RunState { balance, body_forces, state: State { dofs, .. }, complete, .. } = &mut run.current;
     balance.take_forces(&body_forces.values);
     *complete = true;
-    dofs.energies.advection += old_kinetic - kinetic_energy(dofs);
-    Ok(())
+    let loss = old_kinetic - kinetic_energy(dofs);
+    dofs.energies.advection += loss;
+    Ok(loss)
 }

@@ -1,4 +1,5 @@
-//! Run time of each ledger row. One increment in many is timed, so that the cost is negligible; output is always timed.
+//! Run time of each ledger row. One increment in many is timed, so that the cost is negligible; output and new meshes are
+//! always timed.
 //! Time that no row uses belongs to the integration.
 
 use std::sync::OnceLock;
@@ -28,7 +29,8 @@ pub(super) struct EffectTiming<'a> {
     rows: Vec<f64>,
     /// Total time of timed increments.
     sampled: f64,
-    output: f64,
+    /// Time of the work of each row that is always timed.
+    whole: Vec<f64>,
     /// Time of one reading of the clock.
     look: f64,
     /// Start of the part that is being timed, if any.
@@ -37,12 +39,11 @@ pub(super) struct EffectTiming<'a> {
     pub position: Option<&'a RunPosition>,
 }
 
-/// Measured times of a run, s: of each effect and of all timed increments, and of output.
+/// Measured times of a run, s: of each effect and of all timed increments.
 #[derive(Debug)]
 pub(super) struct TimeSums {
     effects: Vec<EffectSeconds>,
     sampled: f64,
-    output: f64,
 }
 
 /// Time of an effect. Another mesh may have other rows in its ledger, so the effect is known by its name and cards.
@@ -50,38 +51,39 @@ pub(super) struct TimeSums {
 struct EffectSeconds {
     effect: String,
     asked_by: Vec<String>,
+    /// In timed increments.
     seconds: f64,
+    /// Of work that is always timed.
+    whole: f64,
 }
 
 impl<'a> EffectTiming<'a> {
     /// Takes the times so far.
     pub fn take_sums(&mut self, ledger: &Ledger) -> TimeSums {
-        let rows = ledger.effects.iter().zip(&mut self.rows);
-        let effects = rows.map(|(LedgerRow { effect, asked_by, .. }, seconds)| EffectSeconds {
+        let times = self.rows.iter_mut().zip(&mut self.whole);
+        let rows = ledger.effects.iter().zip(times);
+        let effects = rows.map(|(LedgerRow { effect, asked_by, .. }, (seconds, whole))| EffectSeconds {
             effect: effect.clone(),
             asked_by: asked_by.clone(),
             seconds: std::mem::take(seconds),
+            whole: std::mem::take(whole),
         });
-        TimeSums {
-            effects: effects.collect(),
-            sampled: std::mem::take(&mut self.sampled),
-            output: std::mem::take(&mut self.output),
-        }
+        TimeSums { effects: effects.collect(), sampled: std::mem::take(&mut self.sampled) }
     }
 
     /// Adds the times of the same run with another mesh. The integration gets the times of effects that have ended.
     pub fn add(&mut self, previous: &TimeSums, ledger: &Ledger) {
         let mut is_taken = vec![false; self.rows.len()];
-        for EffectSeconds { effect, asked_by, seconds } in &previous.effects {
+        for EffectSeconds { effect, asked_by, seconds, whole } in &previous.effects {
             let mut rows = ledger.effects.iter().zip(&is_taken);
             let same = rows.position(|(row, taken)| !taken && row.effect == *effect && row.asked_by == *asked_by);
             if let Some(row) = same {
                 is_taken[row] = true;
                 self.rows[row] += seconds;
+                self.whole[row] += whole;
             }
         }
         self.sampled += previous.sampled;
-        self.output += previous.output;
     }
 
     /// Timers for this number of rows.
@@ -89,7 +91,7 @@ impl<'a> EffectTiming<'a> {
         EffectTiming {
             rows: vec![0.0; rows],
             sampled: 0.0,
-            output: 0.0,
+            whole: vec![0.0; rows],
             look: time_of_reading(),
             began: None,
             position,
@@ -141,23 +143,22 @@ impl<'a> EffectTiming<'a> {
         }
     }
 
-    /// Adds time of output.
-    pub fn add_output(&mut self, seconds: f64) {
-        self.output += seconds;
+    /// Adds time of work of a row that is always timed.
+    pub fn add_whole(&mut self, row: Option<EffectId>, seconds: f64) {
+        if let Some(row) = row {
+            self.whole[row] += seconds;
+        }
     }
 
     /// Returns the time of each row, s; the sum is the total time of the loop.
     pub fn seconds(&self, plan: &Plan, total: f64) -> Vec<f64> {
-        let loop_seconds = (total - self.output).max(0.0);
+        let loop_seconds = (total - self.whole.iter().sum::<f64>()).max(0.0);
         let claimed: f64 = self.rows.iter().sum();
         let sampled = self.sampled.max(claimed);
         let factor = if sampled > 0.0 { loop_seconds / sampled } else { 0.0 };
-        let mut seconds: Vec<f64> = self.rows.iter().map(|s| s * factor).collect();
+        let mut seconds: Vec<f64> = self.rows.iter().zip(&self.whole).map(|(s, whole)| s * factor + whole).collect();
         if let Some(row) = plan.rows.integration {
             seconds[row] += loop_seconds - claimed * factor;
-        }
-        if let Some(row) = plan.rows.output {
-            seconds[row] += self.output;
         }
         seconds
     }
@@ -182,9 +183,10 @@ mod tests {
         let (old, new) = (ledger(&["plate", "load", "contact", "contact"]), ledger(&["load", "contact", "contact"]));
         let mut timing = EffectTiming::new(4, None);
         (timing.rows, timing.sampled) = (vec![1.0, 2.0, 3.0, 4.0], 10.0);
+        timing.add_whole(Some(1), 0.5);
         let mut next = EffectTiming::new(3, None);
         next.add(&timing.take_sums(&old), &new);
-        assert_eq!((next.rows, next.sampled), (vec![2.0, 3.0, 4.0], 10.0));
+        assert_eq!((next.rows, next.whole, next.sampled), (vec![2.0, 3.0, 4.0], vec![0.5, 0.0, 0.0], 10.0));
         assert_eq!((timing.rows, timing.sampled), (vec![0.0; 4], 0.0));
     }
 }
