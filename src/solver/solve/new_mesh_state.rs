@@ -211,22 +211,8 @@ impl MeshChange<'_> {
                 group.set(self.body.elements[i] as usize, PointValue::VolumeRatio(ratio));
             }
         }
-        self.copy_unchanged_elements();
-    }
-
-    /// Copies the state of the elements that the new mesh has from the old one.
-    fn copy_unchanged_elements(&mut self) {
-        let revision = self.mesh.revision;
-        let [from, to] =
-            [&mut self.old.elements.groups[self.old_body.group], &mut self.state.elements.groups[self.body.group]]
-                .map(|group| group.transfer());
-        let (Some(from), Some(to)) = (from, to) else { return };
-        let unchanged = &revision.origins[..revision.unchanged];
-        let old: Vec<u32> = unchanged.iter().map(|e| self.old_body.elements[*e as usize]).collect();
-        let mut values = Vec::new();
-        from.visit_elements(&old, &mut |value| values.push(*value));
-        let mut values = values.into_iter();
-        to.visit_elements(&self.body.elements[..old.len()], &mut |value| *value = values.next().unwrap_or_default());
+        let bodies = [(&mut *self.old, self.old_body), (&mut *self.state, self.body)];
+        copy_unchanged_elements(bodies, self.mesh.revision);
     }
 
     /// Moves temperatures and thermal strains. The heat that the nodes contain is conserved.
@@ -387,6 +373,21 @@ impl MeshChange<'_> {
         let masses = SceneChange::Masses(dofs);
         loads.iter_mut().for_each(|load| load.scene_changed(&masses));
     }
+}
+
+/// Copies the state of the elements of a body that the new mesh has from the old one.
+pub(super) fn copy_unchanged_elements(
+    [(old, old_body), (state, body)]: [(&mut State, &RemeshedBody); 2],
+    revision: &MeshRevision,
+) {
+    let (from, to) = (old.elements.groups[old_body.group].transfer(), state.elements.groups[body.group].transfer());
+    let (Some(from), Some(to)) = (from, to) else { return };
+    let unchanged = &revision.origins[..revision.unchanged];
+    let old_elements: Vec<u32> = unchanged.iter().map(|e| old_body.elements[*e as usize]).collect();
+    let mut values = Vec::new();
+    from.visit_elements(&old_elements, &mut |value| values.push(*value));
+    let mut values = values.into_iter();
+    to.visit_elements(&body.elements[..unchanged.len()], &mut |value| *value = values.next().unwrap_or_default());
 }
 
 /// Returns whether nodes of a body may take part in equations.

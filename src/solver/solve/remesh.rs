@@ -9,7 +9,7 @@ use super::increment::IncrementController;
 use super::masses::MassMonitor;
 use super::mesh_patch::{can_have_patch, starts};
 use super::mesh_quality::RemeshMonitor;
-use super::new_mesh_state::{ReplacedMesh, take_over};
+use super::new_mesh_state::{ReplacedMesh, copy_unchanged_elements, take_over};
 use super::observe::RunOutput;
 use super::position::RunPosition;
 use super::restart::begin_step;
@@ -222,6 +222,11 @@ pub(super) fn next_mesh(
             return Err(halt);
         }
     };
+    // The evaluation divides stresses into mean and deviator, whose sum may differ in the last bit.
+    if let Some(new_plan) = &plan.remesh {
+        let bodies = [(&mut run.current.state, planned), (&mut next.current.state, &new_plan.bodies[body])];
+        copy_unchanged_elements(bodies, &revision);
+    }
     let increments = [old_increment, next.current.state.elements.stable_increment()];
     let quality = &mut next.remesh.bodies[body];
     quality.begin_mesh(planned, &revision, increments);
