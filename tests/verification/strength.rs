@@ -322,7 +322,8 @@ fn yield_surface_of_each_law_matches_its_closed_form() {
         300.0 * (1.0 + 2.25 * f * f - 3.0 * f * (1.5 * p / 300.0).cosh()).sqrt()
     };
     let elastic = "*Density\n 2.4e-9,\n*Elastic\n 30000., 0.2\n";
-    let cases: [(&str, String, &dyn Fn(f64) -> f64); 6] = [
+    type Surface<'a> = (&'a str, String, &'a dyn Fn(f64) -> f64);
+    let cases: [Surface<'_>; 6] = [
         ("SOIL", format!("{elastic}*Drucker Prager\n 40., 1., 10.\n*Drucker Prager Hardening\n 20., 0.\n"), &soil),
         (
             "POWDER",

@@ -128,15 +128,15 @@ impl Adjacency<'_> {
             if std::mem::replace(&mut is_seen[first], true) {
                 continue;
             }
-            let (mut part, mut at) = (vec![first as u32], 0);
-            while at < part.len() {
-                for [a, b] in sides(&self.mesh.quads[part[at] as usize]) {
+            let (mut part, mut next) = (vec![first as u32], 0);
+            while next < part.len() {
+                for [a, b] in sides(&self.mesh.quads[part[next] as usize]) {
                     let Some(&other) = self.of_side.get(&[b, a]) else { continue };
                     if !std::mem::replace(&mut is_seen[other as usize], true) {
                         part.push(other);
                     }
                 }
-                at += 1;
+                next += 1;
             }
             if part.len() < FEWEST {
                 small.extend(part);
@@ -218,10 +218,10 @@ impl Patch {
         let elements: Vec<u32> = (0..).zip(chosen).filter(|(_, is_in)| **is_in).map(|(e, _)| e).collect();
         let corners = elements.iter().flat_map(|e| old.quads[*e as usize]);
         let nodes = sorted_unique(corners);
-        let own = |n: u32| nodes.partition_point(|other| *other < n) as u32;
+        let number_in_patch = |n: u32| nodes.partition_point(|other| *other < n) as u32;
         let mesh = BodyMesh {
             points: nodes.iter().map(|n| old.points[*n as usize]).collect(),
-            quads: elements.iter().map(|e| old.quads[*e as usize].inline_map(own)).collect(),
+            quads: elements.iter().map(|e| old.quads[*e as usize].inline_map(number_in_patch)).collect(),
             sizes: elements.iter().map(|e| old.sizes[*e as usize]).collect(),
         };
         let outline: Vec<[u32; 2]> = boundary_edges(&old.quads).iter().map(|edge| edge.ends).collect();
@@ -235,10 +235,11 @@ impl Patch {
 
     /// Returns the mesh of the body with new elements in the patch.
     fn meshed(&self, old: &BodyMesh, rules: &OutlineRules<'_>) -> Option<MeshRevision> {
-        let mut kept: Vec<bool> = self.nodes.iter().map(|n| rules.kept[*n as usize]).collect();
-        self.rim.iter().flatten().for_each(|n| kept[*n as usize] = true);
-        let place = |ends: [u32; 2], share| (rules.place)(ends.inline_map(|n| self.nodes[n as usize]), share);
-        let new = new_mesh(&self.mesh, &OutlineRules { kept: &kept, fixed: &self.rim, place: &place }, None)?;
+        let mut kept_nodes: Vec<bool> = self.nodes.iter().map(|n| rules.kept[*n as usize]).collect();
+        self.rim.iter().flatten().for_each(|n| kept_nodes[*n as usize] = true);
+        let place_between = |ends: [u32; 2], share| (rules.place)(ends.inline_map(|n| self.nodes[n as usize]), share);
+        let new =
+            new_mesh(&self.mesh, &OutlineRules { kept: &kept_nodes, fixed: &self.rim, place: &place_between }, None)?;
         self.joined(old, &new)
     }
 
@@ -263,8 +264,8 @@ impl Patch {
             })
         };
         let numbers: Vec<u32> = new.mesh.points.iter().zip(&new.parents).map(number).collect();
-        for (e, n) in new.mesh.points.iter().zip(&numbers) {
-            if (*n as usize) < other_nodes.len() && mesh.points[*n as usize] != *e {
+        for (point, n) in new.mesh.points.iter().zip(&numbers) {
+            if (*n as usize) < other_nodes.len() && mesh.points[*n as usize] != *point {
                 return None;
             }
         }

@@ -232,7 +232,7 @@ pub(super) fn next_mesh(
     quality.begin_mesh(planned, &revision, increments);
     quality.lost_energy += lost_energy;
     if planned.automatic && quality.is_first() {
-        let counts = [old_mesh.quads.len(), revision.mesh.quads.len()].map(|count| count - revision.unchanged);
+        let counts = [old_mesh.quads.len(), revision.mesh.quads.len()].inline_map(|count| count - revision.unchanged);
         warn_of_first_mesh(&mut next, (body, remesh), (trigger, counts), increments);
     }
     let row = plan.remesh.as_ref().and_then(|remesh| remesh.bodies[body].id);
