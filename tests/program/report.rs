@@ -38,7 +38,12 @@ fn numbers(text: &str) -> Vec<u16> {
 fn extent(meridian: &MeridianFrames, frame: usize) -> [f64; 2] {
     let [_, _, low, high] = meridian.bounds;
     let places = numbers(&meridian.places);
-    let of_frame = &places[2 * frame * meridian.points..2 * (frame + 1) * meridian.points];
+    let points = |frame: usize| match meridian.mesh_of_frame.get(frame) {
+        Some(&mesh) if mesh > 0 => meridian.new_meshes[mesh - 1].points,
+        _ => meridian.points,
+    };
+    let first: usize = (0..frame).map(points).sum();
+    let of_frame = &places[2 * first..2 * (first + points(frame))];
     let z = of_frame.iter().skip(1).step_by(2).map(|&q| low + (high - low) * f64::from(q) / 65534.0);
     z.fold([f64::INFINITY, f64::NEG_INFINITY], |e, z| [e[0].min(z), e[1].max(z)])
 }
@@ -74,7 +79,7 @@ fn rigid_run_shows_frames_histories_ledger_and_target() {
 #[test]
 fn deformable_run_shows_its_shape_and_limiting_element() {
     let (folder, out) = folder();
-    assert!(run("input/taylor_copper.inp", &out, &["nr=5", "nz=25"]).status.success());
+    assert!(run("input/taylor_copper.inp", &out, &["nr=5", "nz=30"]).status.success());
     let page = report::gather(folder.path()).expect("a page");
     let run = &page.runs[0];
     let meridian = run.meridian.as_ref().expect("frames");

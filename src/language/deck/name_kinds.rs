@@ -44,6 +44,7 @@ name_kinds! {
     Clearance "contact clearance"
     ContactInitialization "contact initialization data"
     WaveProperty "incident wave property"
+    Orientation "orientation"
     Parameter "parameter"
 }
 
@@ -93,6 +94,7 @@ pub fn parameter_name_usage(keyword: &Keyword, rule: &InputRule) -> Option<NameU
         "CPSET" => adds_members(NameKind::ContactPairSet, &["CONTACT PAIR"]),
         "TIME POINTS" => reference(NameKind::TimePoints),
         "SECTION" => reference(NameKind::OutputSection),
+        "ORIENTATION" => reference(NameKind::Orientation),
         "PROPERTY" if keyword.name == "INCIDENT WAVE INTERACTION" => reference(NameKind::WaveProperty),
         _ => None,
     }
@@ -116,6 +118,7 @@ fn defined_by(keyword: &str) -> Option<NameKind> {
         "CONTACT CLEARANCE" => NameKind::Clearance,
         "CONTACT INITIALIZATION DATA" => NameKind::ContactInitialization,
         "INCIDENT WAVE INTERACTION PROPERTY" => NameKind::WaveProperty,
+        "ORIENTATION" => NameKind::Orientation,
         _ => return None,
     })
 }
