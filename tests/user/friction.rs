@@ -149,7 +149,7 @@ fn friction_that_falls_with_slip_matches_the_energy_balance() {
     assert!(worst < 3e-3, "{worst}");
 }
 
-/// Runs of files: with and without a process of their own, and resumed from a checkpoint, have equal digests.
+/// Runs of files: with and without a separate process for the routine, and resumed from a checkpoint, have equal digests.
 #[test]
 fn isolated_and_resumed_runs_have_the_same_bits() {
     if !common::fortran("vfriction in Fortran") {

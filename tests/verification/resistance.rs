@@ -597,7 +597,7 @@ const CERAMIC: &str = "*Density\n 3700.,\n*User Material, constants=24\n 3700., 
                        2.79e9, 1.46e9, 1., 0.005, 1.\n , 0., 0., 0., 130.95e9, 0., 0., 0.\n*Depvar\n 8,\n";
 
 /// The law integrated along the path of a point, and a mesh of the same law whose cavity opens. Both are 1 % apart at most;
-/// the mesh has an error of its own, which the extrapolation leaves below .5 %.
+/// the error of the mesh is below .5 % after the extrapolation.
 #[test]
 fn resistance_of_each_law_matches_its_meshed_cavity() {
     for (name, cards, velocity) in [

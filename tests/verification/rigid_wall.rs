@@ -599,7 +599,7 @@ fn change_of_a_pair_does_not_move_a_body_at_rest() {
     let changed = PAIR.replace("RUB", "ROUGHER");
     let deck = format!("{deck}*Step\n*Dynamic, Explicit, direct user control\n 1e-5, 1e-3\n{changed}{output}");
     let run = scene.run_deck(&deck, &Routines::none());
-    // In the first increment, forces act over half of it.
+    // In the first increment, forces act over half the increment.
     let fastest = run.column("V2@REF").into_iter().skip(2).fold(0.0, |most: f64, v| most.max(v.abs()));
     let reaction = run.last("RF2@WREF") / weight;
     println!("change of a pair: speed {fastest:e}, reaction {reaction}, {} rows", run.memory.rows.len());

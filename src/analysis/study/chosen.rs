@@ -201,13 +201,7 @@ impl ChosenSetting {
 
     /// Returns the overrides of the deck with the chosen mesh, or of the deck that lists the local mesh.
     pub fn overrides(&self, given: &[(String, String)]) -> Vec<(String, String)> {
-        let mut overrides = given.to_vec();
-        if self.local.is_some() {
-            overrides.retain(|(name, _)| !MESH_SETTINGS.contains(&name.as_str()));
-        } else {
-            overrides.push((MESH_SETTINGS[1].to_owned(), self.mesh.clone()));
-        }
-        overrides
+        if self.local.is_some() { settings::without_mesh(given) } else { settings::with_mesh(given, &self.mesh) }
     }
 }
 
@@ -223,9 +217,7 @@ pub fn mesh_axes(source: &DeckReader<'_>, overrides: &ParameterOverrides) -> Res
         return Err(StudyError::Setting("the deck has a *PARAMETER `mesh`: rename it to refine the mesh".into()));
     }
     let is_possible = |level: &&str| {
-        let mut overrides = overrides.to_vec();
-        overrides.push((MESH_SETTINGS[1].to_owned(), (*level).to_owned()));
-        let (deck, diagnostics) = source(&overrides);
+        let (deck, diagnostics) = source(&settings::with_mesh(overrides, level));
         !diagnostics.has_errors() && !model::build(&deck).1.has_errors()
     };
     let mut levels: Vec<&str> = COARSER.into_iter().filter(is_possible).collect();

@@ -42,7 +42,7 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
     let own = levels.iter().position(|level| level == "1").unwrap_or(0);
     let mut chosen = of_levels(request, &levels, begin);
     if own > 0 && matches!(chosen, Err(StudyError::Setting(_))) {
-        // Coarser meshes cannot be refined in parts if the deck lists values node by node.
+        // Coarser levels may have no limit, and cannot be refined in parts if the deck lists values node by node.
         (request.announce)("the levels begin with the mesh of the deck");
         chosen = of_levels(request, &levels[own..], begin);
     }
@@ -98,9 +98,8 @@ fn of_levels(
 fn levels(request: &TargetRequest<'_>) -> Result<Vec<String>, StudyError> {
     let axes = chosen::mesh_axes(request.source.deck, request.overrides)?;
     let is_large = |level: &String| {
-        let mut overrides = request.overrides.to_vec();
-        overrides.push((MESH_SETTINGS[1].to_owned(), level.clone()));
-        model::build(&(request.source.deck)(&overrides).0).0.mesh.elements.len() >= LEAST_MESH
+        let deck = (request.source.deck)(&settings::with_mesh(request.overrides, level)).0;
+        model::build(&deck).0.mesh.elements.len() >= LEAST_MESH
     };
     let large: Vec<String> = axes[0].values.iter().filter(|level| is_large(level)).cloned().collect();
     if !large.is_empty() {

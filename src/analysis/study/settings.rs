@@ -2,8 +2,9 @@
 
 use super::StudyError;
 use super::grid::CaseGrid;
-use crate::deck::MeshScaling;
 use crate::deck::names::nearest;
+use crate::deck::{MESH_SETTINGS, MeshScaling};
+use crate::job::ParameterOverrides;
 use crate::model::{HourglassMethod, IncrementControl, Load, LoadKind, LoadVelocity, Model, SectionControls, Step};
 
 /// Names of the parameters that are available for every deck.
@@ -298,6 +299,16 @@ fn stable_estimate(value: &str) -> Result<ModelEdit, String> {
         }
         Ok(())
     }))
+}
+
+/// Returns overrides of a deck with a number of parts of each edge of the mesh.
+pub fn with_mesh(overrides: &ParameterOverrides, parts: &str) -> Vec<(String, String)> {
+    [overrides, &[(MESH_SETTINGS[1].to_owned(), parts.to_owned())]].concat()
+}
+
+/// Returns overrides of a deck without those of the mesh.
+pub fn without_mesh(overrides: &ParameterOverrides) -> Vec<(String, String)> {
+    overrides.iter().filter(|(name, _)| !MESH_SETTINGS.contains(&name.as_str())).cloned().collect()
 }
 
 #[cfg(test)]

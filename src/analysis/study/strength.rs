@@ -22,6 +22,9 @@ const CONFINEMENTS: [f64; 3] = [0.0, 0.5, 2.0];
 const VOLUME_INCREMENT: f64 = 1e-4;
 /// Largest change of the logarithm of the volume on the way to a pressure.
 const LARGEST_VOLUME_CHANGE: f64 = 0.5;
+/// Bisections of a volume change and of a shear strain, and of the largest tension.
+const BISECTIONS: u32 = 50;
+const TENSION_BISECTIONS: u32 = 40;
 /// Smallest von Mises stress of the surface over the largest one; below it the surface is closed.
 const CLOSED: f64 = 1e-6;
 
@@ -99,6 +102,16 @@ pub fn curves(material: &MaterialDefinition, request: &StrengthRequest) -> Optio
     Some(StrengthCurves { name: material.name.clone(), surface: surface(law, request.length, largest), paths })
 }
 
+/// Bisects an interval, at whose upper end a condition holds, around the place from which on it holds.
+fn narrowed([mut low, mut high]: [f64; 2], bisections: u32, holds: impl Fn(f64) -> bool) -> [f64; 2] {
+    for _ in 0..bisections {
+        let middle = 0.5 * (low + high);
+        let bound = if holds(middle) { &mut high } else { &mut low };
+        *bound = middle;
+    }
+    [low, high]
+}
+
 /// Loads a point hydrostatically to a pressure; `None` if it does not reach it.
 fn at_pressure<'a>(law: &'a dyn StressReturn, length: f64, pressure: f64) -> Option<LawPath<'a>> {
     let mut path = LawPath::new(law, length);
@@ -113,13 +126,9 @@ fn at_pressure<'a>(law: &'a dyn StressReturn, length: f64, pressure: f64) -> Opt
     while volume < LARGEST_VOLUME_CHANGE {
         let next = changed(&path, side * VOLUME_INCREMENT);
         if is_beyond(&next) {
-            let (mut low, mut high) = (0.0, VOLUME_INCREMENT);
-            for _ in 0..50 {
-                let middle = 0.5 * (low + high);
-                let bound = if is_beyond(&changed(&path, side * middle)) { &mut high } else { &mut low };
-                *bound = middle;
-            }
-            return Some(changed(&path, side * high));
+            let [_, change] =
+                narrowed([0.0, VOLUME_INCREMENT], BISECTIONS, |change| is_beyond(&changed(&path, side * change)));
+            return Some(changed(&path, side * change));
         }
         if pressure < 0.0 && next.is_flowing {
             return None;
@@ -140,28 +149,18 @@ fn first_yield(path: &LawPath<'_>) -> [f64; 2] {
     while !sheared(high).is_flowing && high < 1.0 {
         (low, high) = (high, 2.0 * high);
     }
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        let bound = if sheared(middle).is_flowing { &mut high } else { &mut low };
-        *bound = middle;
-    }
-    sheared(low).invariants()
+    let [elastic, _] = narrowed([low, high], BISECTIONS, |strain| sheared(strain).is_flowing);
+    sheared(elastic).invariants()
 }
 
 /// Returns the yield surface up to a pressure, or to where it is closed. It begins at the largest hydrostatic tension.
 fn surface(law: &dyn StressReturn, length: f64, largest: f64) -> Vec<[f64; 2]> {
-    let (mut low, mut high) = (-largest, 0.0);
-    if at_pressure(law, length, low).is_none() {
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            let bound = if at_pressure(law, length, middle).is_some() { &mut high } else { &mut low };
-            *bound = middle;
-        }
-    }
+    let is_reached = |pressure: f64| at_pressure(law, length, pressure).is_some();
+    let least = if is_reached(-largest) { 0.0 } else { narrowed([-largest, 0.0], TENSION_BISECTIONS, is_reached)[1] };
     let mut points: Vec<[f64; 2]> = Vec::new();
     let mut largest_mises = 0.0_f64;
     for i in 0..=POINTS {
-        let pressure = high + (largest - high) * f64::from(i) / f64::from(POINTS);
+        let pressure = least + (largest - least) * f64::from(i) / f64::from(POINTS);
         let Some(path) = at_pressure(law, length, pressure) else { break };
         let [pressure, mises] = first_yield(&path);
         if i > 0 && mises <= CLOSED * largest_mises {

@@ -112,20 +112,7 @@ pub fn has_law(material: &MaterialDefinition) -> bool {
 
 /// Returns whether the strength depends on the strain rate.
 pub fn depends_on_rate(material: &MaterialDefinition) -> bool {
-    let StrengthCards { johnson_holmquist, holmquist_johnson_cook, compression_hardening, tension_stiffening, .. } =
-        &material.strength;
-    // C is the third constant of the first line of one card, and the seventh constant of the other one.
-    let [ceramic, concrete] = [
-        johnson_holmquist.as_ref().and_then(|(constants, _)| constants.get(6)),
-        holmquist_johnson_cook.as_ref().and_then(|(card, _)| card.rows.first().map(|row| &row[3])),
-    ];
-    let tables = [
-        compression_hardening.as_ref().map(|(card, _)| &card.rows),
-        tension_stiffening.as_ref().map(|(card, _)| &card.rows),
-    ];
-    material.rate.is_some()
-        || [ceramic, concrete].into_iter().flatten().any(|c| *c != 0.0)
-        || tables.into_iter().flatten().any(|rows| rows.windows(2).any(|pair| pair[0][2] != pair[1][2]))
+    material.rate.is_some() || material.strength.depends_on_rate()
 }
 
 fn law_target(material: &MaterialDefinition, sizes: &TargetSizes) -> Result<LawTarget, Diagnostic> {

@@ -129,7 +129,7 @@ pub struct DerivationRequest {
     pub material: usize,
     /// Range and form of the fit.
     pub request: FitRequest,
-    /// Shape of the cavity and what the target needs beside its material.
+    /// Shape of the cavity and what the target needs in addition to its material.
     pub sizes: TargetSizes,
     /// Source position of the card.
     pub span: Span,

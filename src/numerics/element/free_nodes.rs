@@ -43,7 +43,7 @@ impl FreeNodes {
         self.nodes.extend(previous.nodes.iter().filter_map(|n| node(*n)));
     }
 
-    /// Adds the nodes of elements that were deleted since the last call; `deleted` lists all of them.
+    /// Adds the nodes of elements that were deleted since the last call; `deleted` lists all deleted elements.
     pub(super) fn count(&mut self, deleted: &[ElementNodes]) {
         for node in
             deleted[self.seen.min(deleted.len())..].iter().flat_map(|nodes| nodes.iter().map(|node| *node as usize))

@@ -78,7 +78,7 @@ pub struct TargetMaterial {
     pub rate: Option<StrainRateEffect>,
 }
 
-/// Shape of the cavity and what a target needs beside its material.
+/// Shape of the cavity and what a target needs in addition to its material.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TargetSizes {
     /// Shape of the cavity.

@@ -82,7 +82,7 @@ mod tests {
 
     /// A fast copper bar with a constant modulus, and with an equation of state: elements at its foot are replaced. Source: the
     /// state just before. All other elements and their nodes keep their numbers and every bit of their state, except nodes
-    /// in common with new elements. Mass and momentum are the same to rounding, and the lost kinetic energy is booked.
+    /// in common with new elements. Mass and momentum are the same to rounding, and the energy balance has the lost kinetic energy.
     #[test]
     fn elements_outside_a_patch_keep_every_bit() {
         let text = std::fs::read_to_string("../../input/taylor_copper.inp").expect("the deck");

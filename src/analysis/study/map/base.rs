@@ -7,7 +7,7 @@ use crate::model;
 use crate::study::StudyError;
 use crate::study::quantity::Quantity;
 use crate::study::runner::{DeckReader, RunSource, StudyRun, StudyRunner};
-use crate::study::settings::{ModelEdit, StudyAxis, StudyParameter};
+use crate::study::settings::{ModelEdit, StudyAxis, StudyParameter, without_mesh};
 
 /// Elements that are refined in a run.
 pub type ElementMarks = Arc<[bool]>;
@@ -78,7 +78,7 @@ impl<'a> MapBase<'a> {
 
     /// Overrides of a deck that lists the mesh.
     pub fn overrides_of_listed_mesh(&self) -> Vec<(String, String)> {
-        self.overrides.iter().filter(|(name, _)| !MESH_SETTINGS.contains(&name.as_str())).cloned().collect()
+        without_mesh(&self.overrides)
     }
 }
 

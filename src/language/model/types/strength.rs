@@ -25,6 +25,22 @@ impl StrengthCards {
         self.tension_stiffening.as_ref().is_some_and(|(card, _)| card.kind > 0)
     }
 
+    /// Returns whether the constants or tables of a card depend on the strain rate.
+    pub fn depends_on_rate(&self) -> bool {
+        let ceramic = self.johnson_holmquist.as_ref().is_some_and(
+            |(constants, _)| matches!(constants[..], [_density, _shear, _a, _n, _b, _m, c, ..] if c != 0.0),
+        );
+        let concrete = self
+            .holmquist_johnson_cook
+            .as_ref()
+            .is_some_and(|(card, _)| matches!(card.rows[..], [[_shear, _a, _b, c, ..], ..] if c != 0.0));
+        let has_rates = |rows: &[[f64; 3]]| rows.windows(2).any(|pair| pair[0][2] != pair[1][2]);
+        ceramic
+            || concrete
+            || self.compression_hardening.as_ref().is_some_and(|(card, _)| has_rates(&card.rows))
+            || self.tension_stiffening.as_ref().is_some_and(|(card, _)| has_rates(&card.rows))
+    }
+
     /// Multiplies displacements and energies per crack area by a factor: in an element whose length is larger by this factor,
     /// strains and stresses remain the same.
     pub fn scale_displacements(&mut self, factor: f64) {

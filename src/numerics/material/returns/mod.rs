@@ -191,10 +191,13 @@ impl ReturnedPoints {
             let is_kept = self.kept[l] > 0.0;
             let lost = self.lost[l] + if is_kept { 0.0 } else { work };
             let flow = contraction(plastic, plastic);
-            let mean = TrialStress::of(both);
-            let recoverable = per_bulk * mean.pressure * mean.pressure + per_shear * mean.mises * mean.mises;
-            let dilation = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
-            let kept_by_volume = if flow > 0.0 { recoverable * dilation } else { 0.0 };
+            let kept_by_volume = if flow > 0.0 {
+                let mean = TrialStress::of(both);
+                let recoverable = per_bulk * mean.pressure * mean.pressure + per_shear * mean.mises * mean.mises;
+                recoverable * (strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l])
+            } else {
+                0.0
+            };
             let spent = if is_kept { contraction(both, plastic) + self.compacted[l] - kept_by_volume } else { 0.0 };
             update.dissipated[l] += volume * (spent + lost);
             update.damaged[l] += volume * lost;
