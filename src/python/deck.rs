@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use revolve::deck::{Sources, files, source};
-use revolve::job::{self, FrameOutput, JobOptions, PreparedJob};
+use revolve::job::{self, FrameOutput, JobOptions, PreparedJob, Provenance};
 use revolve::output::JobFiles;
 use revolve::solve::Progress;
 use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
@@ -56,6 +56,8 @@ struct RunRequest {
     threads: usize,
     frames: bool,
     out: Option<PathBuf>,
+    /// What produces the result, if files are written.
+    provenance: Option<Provenance>,
 }
 
 #[pymethods]
@@ -67,7 +69,7 @@ impl Deck {
             Some(text) => text,
             None => {
                 let bytes = files::read(Path::new(name));
-                source::decode(bytes.map_err(|e| PyOSError::new_err(format!("cannot read {name}: {e}")))?)
+                source::decode(bytes.map_err(|e| errors::unreadable(name, &e))?)
             }
         };
         Ok(Deck { source: DeckSource::Text(name.to_owned(), text), known: Mutex::default() })
@@ -98,6 +100,7 @@ impl Deck {
             "rendered": prepared.plan.ledger.render(true),
             "parameters": prepared.deck.parameters,
             "title": prepared.title,
+            "units": prepared.units,
             "columns": prepared.plan.column_names(),
         });
         Ok(summary.to_string())
@@ -117,13 +120,17 @@ impl Deck {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Run> {
         let (run_routines, exception) = routines(py, user, load.as_ref())?;
-        let prepared = py.detach(|| self.prepared(settings, &run_routines));
+        let prepared = py.detach(|| self.prepared(settings.clone(), &run_routines));
         if prepared.diagnostics.has_errors() {
             return Err(errors::refused(py, &prepared.diagnostics, &prepared.deck.sources));
         }
         let waiting = PythonWait::new(progress);
         let identity = user.map_or_else(String::new, |user| user.compiled.identity());
-        let request = RunRequest { threads, frames, out };
+        let files = user.map_or(&[][..], |user| user.compiled.files());
+        // A function of Python has no file.
+        let command = if load.is_none() { self.command(&settings, files) } else { Vec::new() };
+        let provenance = out.as_ref().map(|_| Provenance::of(&prepared, command, files));
+        let request = RunRequest { threads, frames, out, provenance };
         let ran = py.detach(|| self.carry_out(&prepared, request, identity, &waiting));
         raised(&exception)?;
         waiting.end()?;
@@ -190,6 +197,14 @@ fn routines(py: Python<'_>, user: Option<&User>, load: Option<&PythonLoad>) -> P
 }
 
 impl Deck {
+    /// Returns the words of the command line that runs the deck with these parameters and user subroutines.
+    fn command(&self, settings: &ParameterSettings, files: &[PathBuf]) -> Vec<String> {
+        let DeckSource::Text(name, _) = &self.source else { return Vec::new() };
+        let parameters = settings.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]);
+        let user = files.iter().flat_map(|file| ["--user".to_owned(), file.display().to_string()]);
+        ["run".to_owned(), name.clone()].into_iter().chain(parameters).chain(user).collect()
+    }
+
     fn prepare(&self, settings: &ParameterSettings, routines: &Routines) -> PreparedJob {
         job::prepare_read(self.source.read(settings), routines)
     }
@@ -226,14 +241,12 @@ impl Deck {
         // The stack of the Python thread may be too small for compiled user subroutines.
         let is_compiled = prepared.plan.routines.memory.is_some();
         if threads == 1 && prepared.most_threads() == 1 && !is_compiled {
-            return work(prepared, &job, &request, user, waiting, &mut |progress| {
-                waiting.look(progress.0, &progress.1)
-            });
+            return work(prepared, &job, request, user, waiting, &mut |progress| waiting.look(progress.0, &progress.1));
         }
         let mut now = (0.0, String::new());
         let ran = waiting::on_threads(
             threads,
-            |tell| work(prepared, &job, &request, user, waiting, &mut |progress| tell(progress)),
+            |tell| work(prepared, &job, request, user, waiting, &mut |progress| tell(progress)),
             &mut |message| match message {
                 Some(progress) => now = progress,
                 None => waiting.look(now.0, &now.1),
@@ -247,7 +260,7 @@ impl Deck {
 fn work(
     prepared: &PreparedJob,
     job: &JobFiles,
-    request: &RunRequest,
+    request: RunRequest,
     user: String,
     waiting: &PythonWait,
     tell: &mut dyn FnMut((f64, String)),
@@ -262,7 +275,9 @@ fn work(
         return Ok(Run::new(summary, frames, None));
     }
     let frames = if request.frames { FrameOutput::default() } else { FrameOutput::Absent };
-    let options = JobOptions { interrupt: Some(&waiting.interrupt), user, frames, ..JobOptions::default() };
+    let provenance = request.provenance.map(|provenance| Provenance { threads: request.threads, ..provenance });
+    let interrupt = Some(&waiting.interrupt);
+    let options = JobOptions { interrupt, user, frames, provenance, ..JobOptions::default() };
     let summary = job::run_with(prepared, job, options, &mut follow).map_err(RunError::Refused)?;
     Ok(Run::new(summary, Vec::new(), Some(job.path(".pvd"))))
 }

@@ -36,6 +36,11 @@ pub fn refusal(py: Python<'_>, why: JobError) -> PyErr {
     }
 }
 
+/// Creates the exception for a file that cannot be read, `FileNotFoundError` if it does not exist.
+pub fn unreadable(name: &str, why: &std::io::Error) -> PyErr {
+    std::io::Error::new(why.kind(), format!("cannot read {name}: {why}")).into()
+}
+
 /// Creates a `ValueError` for an invalid setting.
 pub fn setting(why: String) -> PyErr {
     pyo3::exceptions::PyValueError::new_err(why)

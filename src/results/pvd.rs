@@ -24,6 +24,8 @@ pub struct FrameWriter {
     job: JobFiles,
     frames: Vec<WrittenFrame>,
     style: FrameStyle,
+    /// Origin of the results, a line of text.
+    origin: String,
     files: FrameFiles,
 }
 
@@ -36,25 +38,27 @@ enum FrameFiles {
 }
 
 impl FrameFiles {
-    fn new(style: FrameStyle) -> FrameFiles {
+    fn new(style: FrameStyle, origin: &str) -> FrameFiles {
         match style.format {
-            FrameFormat::Pvd => FrameFiles::Pvd(VtuWriter::new(style.points)),
+            FrameFormat::Pvd => FrameFiles::Pvd(VtuWriter::new(style.points, origin)),
             FrameFormat::Vtkhdf => FrameFiles::Vtkhdf(None),
         }
     }
 }
 
 impl FrameWriter {
-    /// Begins a series in an existing folder and removes the files of an earlier run of the job.
+    /// Begins a series in an existing folder and removes the files of an earlier run of the job. The origin of the results
+    /// is a line of text, which each `.vtu` file has as a comment, and a `.vtkhdf` file as the attribute Origin.
     ///
     /// # Errors
     /// If files cannot be removed.
-    pub fn new(job: JobFiles, style: FrameStyle) -> io::Result<Self> {
+    pub fn new(job: JobFiles, style: FrameStyle, origin: String) -> io::Result<Self> {
         // Lists are removed first, so that none names a missing frame.
         for ending in OTHERS {
             remove(&job.path(ending))?;
         }
-        let writer = FrameWriter { job, frames: Vec::new(), style, files: FrameFiles::new(style) };
+        let files = FrameFiles::new(style, &origin);
+        let writer = FrameWriter { job, frames: Vec::new(), style, origin, files };
         writer.clear_from(0)?;
         Ok(writer)
     }
@@ -63,8 +67,9 @@ impl FrameWriter {
     ///
     /// # Errors
     /// If files cannot be removed or read, or the frames so far have another format.
-    pub fn resume(job: JobFiles, frames: Vec<WrittenFrame>, style: FrameStyle) -> io::Result<Self> {
-        let mut writer = FrameWriter { job, frames, style, files: FrameFiles::new(style) };
+    pub fn resume(job: JobFiles, frames: Vec<WrittenFrame>, style: FrameStyle, origin: String) -> io::Result<Self> {
+        let files = FrameFiles::new(style, &origin);
+        let mut writer = FrameWriter { job, frames, style, origin, files };
         writer.check_format()?;
         remove(&writer.job.path(SUMS))?;
         remove(&writer.job.path(".json"))?;
@@ -167,7 +172,7 @@ impl FrameWriter {
                 let path = self.job.path(VTKHDF);
                 let written = match file {
                     Some(file) => file.write(frame),
-                    None => VtkHdfWriter::create(&path, self.style.points, frame)
+                    None => VtkHdfWriter::create(&path, self.style.points, &self.origin, frame)
                         .map(|created| *file = Some(Box::new(created))),
                 };
                 written.map_err(|e| in_file(&path, "write", &e))?;

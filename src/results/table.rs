@@ -18,6 +18,22 @@ impl TextTable {
         aligned_table(&self.header, &self.rows, true)
     }
 
+    /// Formats the table for the terminal; of more than 30 rows only the first ten and the last ten, and the number of
+    /// rows between them.
+    pub fn terminal_excerpt(&self) -> String {
+        const MOST: usize = 30;
+        const AT_EACH_END: usize = 10;
+        if self.rows.len() <= MOST {
+            return self.terminal();
+        }
+        let left_out = self.rows.len() - 2 * AT_EACH_END;
+        let (first, last) = (&self.rows[..AT_EACH_END], &self.rows[AT_EACH_END + left_out..]);
+        let text = aligned_table(&self.header, &[first, last].concat(), true);
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.insert(1 + AT_EACH_END, format!(" … {left_out} more rows"));
+        lines.join("\n") + "\n"
+    }
+
     /// Formats the table as CSV; fields with commas or quotes are quoted.
     pub fn csv(&self) -> String {
         std::iter::once(&self.header).chain(&self.rows).map(csv::line).collect()
@@ -63,4 +79,24 @@ pub fn digits(value: f64, count: usize) -> String {
     let number = rounded(value, count);
     let size = number.abs();
     if size != 0.0 && !(1e-4..1e7).contains(&size) { format!("{number:e}") } else { format!("{number}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TextTable;
+
+    #[test]
+    fn excerpt_of_a_long_table_has_both_ends() {
+        let table = |count: usize| TextTable {
+            header: vec!["V".into()],
+            rows: (1..=count).map(|row| vec![row.to_string()]).collect(),
+        };
+        assert_eq!(table(30).terminal_excerpt(), table(30).terminal());
+        let lines: Vec<String> = table(981).terminal_excerpt().lines().map(str::to_owned).collect();
+        assert_eq!(lines.len(), 22);
+        assert_eq!(
+            [&*lines[0], &*lines[10], &*lines[11], &*lines[12], &*lines[21]],
+            ["   V", "  10", " … 961 more rows", " 972", " 981"]
+        );
+    }
 }

@@ -102,11 +102,11 @@ struct ArrayValues<'a> {
 }
 
 impl VtkHdfWriter {
-    /// Creates a file with a first frame.
+    /// Creates a file with the origin of the results and a first frame.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn create(path: &Path, points: FramePoints, frame: &OutputFrame) -> io::Result<VtkHdfWriter> {
+    pub fn create(path: &Path, points: FramePoints, origin: &str, frame: &OutputFrame) -> io::Result<VtkHdfWriter> {
         let mut file = Hdf5File::create(path)?;
         let list = |element, width, chunk_rows| RowType { element, width, chunk_rows, storage: Storage::Plain };
         let mut lists = IndexMap::new();
@@ -121,7 +121,7 @@ impl VtkHdfWriter {
         let cells = [cell_list(&mut file, Element::I64)?, cell_list(&mut file, Element::U8)?];
         let coordinates = Series::create(&mut file, Element::F64, 3, frame.points.len())?;
         let connectivity = Series::create(&mut file, Element::I64, 1, frame.cells.corners().len())?;
-        let groups = Groups::create(&mut file, &lists, &cells, [&coordinates, &connectivity])?;
+        let groups = Groups::create(&mut file, origin, (&lists, &cells), [&coordinates, &connectivity])?;
         let arrays = [IndexMap::new(), IndexMap::new()];
         let mut writer = VtkHdfWriter {
             file,
@@ -358,8 +358,8 @@ impl Groups {
     /// Writes the groups of a file without arrays, and its superblock.
     fn create(
         file: &mut Hdf5File,
-        lists: &IndexMap<&'static str, Dataset>,
-        cells: &[Dataset; 2],
+        origin: &str,
+        (lists, cells): (&IndexMap<&'static str, Dataset>, &[Dataset; 2]),
         [coordinates, connectivity]: [&Series; 2],
     ) -> io::Result<Groups> {
         let mut empty = || Group::create(file, &[], Vec::new());
@@ -385,7 +385,10 @@ impl Groups {
         links.push(entry("Steps", steps.address));
         let version = Attribute::new("Version", AttributeValue::Integers(&[2, 1]));
         let kind = Attribute::new("Type", AttributeValue::Text("UnstructuredGrid"));
-        let top = Group::create(file, &[version, kind], links)?;
+        let mut attributes = vec![version, kind];
+        // A text has at least one character.
+        attributes.extend((!origin.is_empty()).then_some(Attribute::new("Origin", AttributeValue::Text(origin))));
+        let top = Group::create(file, &attributes, links)?;
         let root = Group::create(file, &[], vec![entry("VTKHDF", top.address)])?;
         file.set_root(root.address)?;
         Ok(Groups { top, steps, data, offsets })

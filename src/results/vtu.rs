@@ -17,6 +17,8 @@ const BLOCK: usize = 1 << 20;
 #[derive(Debug)]
 pub struct VtuWriter {
     points: FramePoints,
+    /// Origin of the results, as a comment in each file.
+    origin: String,
     compressor: Compress,
     text: String,
     /// Uncompressed block.
@@ -29,15 +31,18 @@ pub const REFERENCE: &str = "ReferencePoints";
 
 impl Default for VtuWriter {
     fn default() -> Self {
-        VtuWriter::new(FramePoints::default())
+        VtuWriter::new(FramePoints::default(), "")
     }
 }
 
 impl VtuWriter {
-    /// Creates a writer of current or of initial coordinates.
-    pub fn new(points: FramePoints) -> Self {
+    /// Creates a writer of current or of initial coordinates, with the origin of the results. The origin is a comment,
+    /// because meshio 5.3 reads no file with field data of strings (`findings/meshio_vtu_text_in_field_data.sh`).
+    pub fn new(points: FramePoints, origin: &str) -> Self {
         let compressor = Compress::new(Compression::fast(), true);
-        VtuWriter { points, compressor, text: String::new(), block: Vec::new(), packed: Vec::new() }
+        // A comment must not contain two hyphens.
+        let origin = origin.replace("--", "- -");
+        VtuWriter { points, origin, compressor, text: String::new(), block: Vec::new(), packed: Vec::new() }
     }
 
     /// Returns an upper bound of the length of a frame's text: the length without compression.
@@ -55,7 +60,7 @@ impl VtuWriter {
         let labels = frame.point_labels.iter().chain(&frame.cell_labels);
         let labels: u64 = labels.map(|label| array(4 * label.values.len()) + label.name.len() as u64).sum();
         // Points, and U if the points have initial coordinates; cells, their offsets and types.
-        fields + labels + 2 * array(24 * points) + array(8 * corners) + array(8 * cells) + array(cells) + 1000
+        fields + labels + 2 * array(24 * points) + array(8 * corners) + array(8 * cells) + array(cells) + 1500
     }
 
     /// Returns the text of a frame.
@@ -73,8 +78,13 @@ impl VtuWriter {
     pub fn write(&mut self, frame: &OutputFrame, out: &mut dyn Write) -> io::Result<()> {
         let frame = &*frame.without_deleted();
         self.text.clear();
+        self.line("<?xml version=\"1.0\"?>");
+        if !self.origin.is_empty() {
+            let comment = format!("<!-- {} -->", self.origin);
+            self.line(&comment);
+        }
         self.line(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+            "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
              header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>",
         );
         self.array("Float64", "TimeValue", " NumberOfTuples=\"1\"", frame.time.to_le_bytes());

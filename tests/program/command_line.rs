@@ -113,6 +113,22 @@ fn the_ledger_of_the_seed_deck_is_pinned() {
     insta::assert_snapshot!(text(&output.stdout));
 }
 
+/// A run names its effects in one line, or prints the ledger; the table at its end has the units of the deck.
+#[test]
+fn a_run_names_its_effects_and_units() {
+    let run = ["run", "input/ogive.inp", "--no-frames", "--out", "target/tests/names_of_effects"];
+    let brief = text(&revolve(&run).stdout);
+    let first = brief.lines().next().unwrap_or_default();
+    assert!(first.starts_with("effects: ") && first.contains("cavity expansion, target"), "{brief}");
+    let unit = |column: &str| {
+        let line = brief.lines().find(|line| line.trim_start().starts_with(column));
+        line.and_then(|line| line.split_whitespace().last()).unwrap_or_default().to_owned()
+    };
+    assert_eq!(["U2@REF", "V2@REF", "ALLKE"].map(unit), ["m", "m/s", "J"], "{brief}");
+    let whole = text(&revolve(&[&run[..], &["--ledger"]].concat()).stdout);
+    assert!(whole.trim_start().starts_with("effect ") && whole.contains("ogive.inp:"), "{whole}");
+}
+
 /// A quantity that is given twice is evaluated once, also with an estimate of its uncertainty.
 #[test]
 fn repeated_quantity_is_evaluated_once() {

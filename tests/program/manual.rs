@@ -198,6 +198,37 @@ fn pictures_of_the_gallery_are_small_and_made_by_the_commands_next_to_them() {
     }
 }
 
+/// Pictures whose content depends on the machine: they show run times.
+const OF_THE_MACHINE: &[&str] = &["price.png"];
+
+/// Every picture of the gallery is drawn anew and compared with the stored one: the share of pixels that differ visibly.
+#[test]
+fn pictures_of_the_gallery_are_those_of_this_version() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = Command::new("bash")
+        .arg(project("docs/gallery/make.sh"))
+        .arg(folder.path())
+        .env("REVOLVE", env!("CARGO_BIN_EXE_revolve"))
+        .output()
+        .expect("bash");
+    assert!(script.status.success(), "{}", String::from_utf8_lossy(&script.stderr));
+    let mut old = Vec::new();
+    for entry in fs::read_dir(folder.path()).expect("pictures").map(|e| e.expect("an entry")) {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let [drawn, stored] = [entry.path(), project("docs/gallery").join(&name)]
+            .map(|path| tiny_skia::Pixmap::load_png(path).expect("a picture"));
+        let size = |picture: &tiny_skia::Pixmap| [picture.width(), picture.height()];
+        let differs = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 32);
+        let pixels = || drawn.data().chunks(4).zip(stored.data().chunks(4));
+        let differing = pixels().filter(differs).count() as f64 / pixels().count() as f64;
+        println!("{name}: {differing:.5}");
+        if size(&drawn) != size(&stored) || differing > 1e-3 && !OF_THE_MACHINE.contains(&&*name) {
+            old.push(format!("{name}: {differing:.4} of the pixels differ"));
+        }
+    }
+    assert!(old.is_empty(), "run docs/gallery/make.sh, and look at the pictures: {old:#?}");
+}
+
 #[test]
 fn every_example_is_listed() {
     let text = page("docs/examples.md");

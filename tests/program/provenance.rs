@@ -5,6 +5,9 @@
 
 use std::path::{Path, PathBuf};
 
+use revolve::output::vtu::VtuWriter;
+use revolve::output::{FramePoints, OutputFrame};
+
 use crate::common::revolve;
 
 fn text(output: &std::process::Output) -> String {
@@ -53,6 +56,21 @@ fn a_run_is_repeated_from_its_folder_alone() {
         let again = revolve(&["rerun", &from]);
         assert!(again.status.success() && text(&again).contains("that of the run"), "{}", text(&again));
     }
+}
+
+/// Each frame names the deck and its hash. Two hyphens end no comment of XML.
+#[test]
+fn frames_name_their_deck() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = run_of_many_files(folder.path());
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(results.join("bar.json")).expect("a summary")).expect("JSON");
+    let hash = summary["provenance"]["input"][0]["sha256"].as_str().expect("a hash").to_owned();
+    let frame = std::fs::read_to_string(results.join("bar_0002.vtu")).expect("a frame");
+    let head = frame.lines().nth(1).expect("a line");
+    assert!(head.starts_with("<!-- revolve ") && head.contains(&format!("deck bar.inp, SHA-256 {hash}")), "{head}");
+    let mut writer = VtuWriter::new(FramePoints::Current, "deck a--b.inp");
+    assert!(writer.text(&OutputFrame::default()).contains("<!-- deck a- -b.inp -->"));
 }
 
 /// A copy that has been changed is not the input of the run.

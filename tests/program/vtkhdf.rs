@@ -128,7 +128,8 @@ fn vtkhdf_file_has_meshes_and_arrays_of_some_frames_only() {
         let style = FrameStyle { points: FramePoints::Current, format };
         let own = folder.path().join(format.suffix());
         fs::create_dir(&own).expect("a folder");
-        let mut writer = FrameWriter::new(JobFiles { folder: own.clone(), ..job }, style).expect("a series");
+        let mut writer =
+            FrameWriter::new(JobFiles { folder: own.clone(), ..job }, style, String::new()).expect("a series");
         for k in 0..600 {
             writer.write(&changing_frame(k)).expect("a frame");
         }

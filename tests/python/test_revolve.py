@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import signal
@@ -10,6 +11,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,15 +76,15 @@ def test_diagnostics_are_exceptions_and_lists() -> None:
     with pytest.raises(rv.DeckError) as caught:
         broken.run()
     first = caught.value.diagnostics[0]
-    assert (first.severity, first.file, first.line) == ("error", "broken.inp", 42)
-    assert "broken.inp:42" in str(caught.value)
-    assert "*Rigid" in text.splitlines()[41]
+    assert (first.severity, first.file, first.line) == ("error", "broken.inp", 43)
+    assert "broken.inp:43" in str(caught.value)
+    assert "*Rigid" in text.splitlines()[42]
     assert any(d.severity == "error" for d in broken.check())
     again = pickle.loads(pickle.dumps(caught.value))
     assert again.diagnostics == caught.value.diagnostics
     with pytest.raises(rv.DeckError, match="no parameter `W`"):
         rv.Deck(OGIVE).run(W=1)
-    with pytest.raises(OSError, match="no such"):
+    with pytest.raises(FileNotFoundError, match="no such"):
         rv.Deck("no such.inp")
     with pytest.raises(rv.StudyError, match="did you mean U2@REF"):
         rv.Deck(OGIVE).evaluate({"V": 500.0}, "final(U2@RFE)")
@@ -345,6 +347,46 @@ def test_limit_reports_outcomes() -> None:
     assert slow.bands == [("embedded", 100.0, 300.0)]
     with pytest.raises(rv.StudyError, match="between"):
         deck.limit("V", (900, 200), 1.0)
+
+
+def printed(*words: str | Path) -> Any:
+    command = [sys.executable, "-m", "revolve", *words, "--json"]
+    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+
+
+def test_studies_are_those_of_the_program(deck: rv.Deck, tmp_path: Path) -> None:
+    depth, out = "-1000*final(U2@REF)", ("--out", tmp_path)
+    scattered = deck.scatter({"V": "normal(569, 5)"}, depth, count=200, seed=3, CRH=3.5)
+    words = ["-d", "V=normal(569, 5)", "--quantity", depth, "-c", "200", "--seed", "3", "-s", "CRH=3.5"]
+    assert scattered == printed("scatter", OGIVE, *words, *out)
+    shots = ROOT / "input" / "reference" / "shots_6061.csv"
+    fitted = deck.identify({"A": (2.0, 8.0)}, os.path.relpath(shots), {"depth": depth}, B=0.983, C=0.9402)
+    words = ["--measured", "depth", "--quantity", depth, "--unknown", "A=2..8", "-s", "B=0.983", "-s", "C=0.9402"]
+    assert fitted == printed("identify", OGIVE, "--shots", shots, *words, *out)
+    plates = ROOT / "input" / "plates_derived.inp"
+    pressures = rv.Deck(plates).resistance(400.0, shape="cylindrical")
+    assert pressures == printed("resistance", plates, "--to", "400", "--type", "cylindrical")
+    taylor = ROOT / "input" / "taylor_copper.inp"
+    curves = rv.Deck(taylor).material(rates=[1.0, 1e4], strain=0.2)
+    assert curves == printed("material", taylor, "--rates", "1,1e4", "--strain", "0.2", *out)
+    with pytest.raises(rv.StudyError, match="no parameter"):
+        deck.scatter({"speed": "1..2"}, depth)
+
+
+def test_evaluations_are_data_frames_with_failures_and_units(deck: rv.Deck) -> None:
+    pytest.importorskip("pandas")
+    table = deck.evaluate({"mass": np.array([0.02, -1.0]), "V": 500.0}, "final(U2@REF)").to_pandas()
+    assert list(table.columns) == ["mass", "V", "final(U2@REF)", "failure"]
+    assert list(table["mass"]) == [0.02, -1.0]
+    assert table["failure"].isna().tolist() == [True, False]
+    assert table["final(U2@REF)"].isna().tolist() == [False, True]
+    assert table.attrs["units"]["length"] == "m"
+
+
+def test_a_run_is_repeated_from_its_folder(deck: rv.Deck, tmp_path: Path) -> None:
+    deck.run(V=821, CRH="3.5", out=tmp_path / "first")
+    command = [sys.executable, "-m", "revolve", "rerun", tmp_path / "first"]
+    assert "that of the run" in subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 def test_objects_have_notebook_representations(deck: rv.Deck) -> None:

@@ -83,11 +83,16 @@ fn histories(summary: &RunSummary, job: &output::JobFiles) {
         return;
     }
     let number = |value: f64| format!("{value:.6e}");
+    let mut header = vec!["history", "final", "min", "max"];
+    if !summary.column_units.is_empty() {
+        header.push("unit");
+    }
     let row = |(name, column): (&String, &output::ColumnSummary)| {
-        vec![name.clone(), number(column.last), number(column.min), number(column.max)]
+        let unit = summary.column_units.get(name).cloned();
+        [name.clone(), number(column.last), number(column.min), number(column.max)].into_iter().chain(unit).collect()
     };
     let rows: Vec<_> = columns.iter().take(SHOWN).map(row).collect();
-    write(format_args!("{}", aligned_table(&["history", "final", "min", "max"], &rows, false)), false);
+    write(format_args!("{}", aligned_table(&header, &rows, false)), false);
     if columns.len() > SHOWN {
         print_out!("  and {} more columns in {}", columns.len() - SHOWN, job.path(HISTORY).display());
     }

@@ -87,6 +87,9 @@ pub struct RunCommand {
     /// Start the run even if its results are probably larger than the free disk space.
     #[arg(long)]
     force: bool,
+    /// Print the ledger before the run: each effect with its cards and details.
+    #[arg(long)]
+    ledger: bool,
     /// Print the run time of each effect.
     #[arg(long)]
     profile: bool,
@@ -164,7 +167,11 @@ impl RunCommand {
         self.note_missing_grace_period(&prepared);
         prepared.release_texts();
         if !self.is_silent() {
-            print_out!("{}", prepared.plan.ledger.render(false));
+            let ledger = &prepared.plan.ledger;
+            words::write(
+                format_args!("{}", if self.ledger { ledger.render(false) } else { ledger.render_names() }),
+                false,
+            );
         }
         self.announce_output(&mut prepared, &job, from.is_some())?;
         let mut view = self.view.open(&job, self.is_silent())?;

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use crate::output::JobFiles;
 use crate::output::checkpoint::hash;
+use crate::output::clock::seconds;
+use crate::overview;
 use crate::report::QuantityLabels;
 use crate::study::StudyError;
 use crate::study::causes;
@@ -110,6 +112,9 @@ impl StudyCommand {
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         let identity = self.identity(&first, &axes, compiled.as_ref());
+        if !self.output.is_silent() {
+            print_out!("{}", self.describe_plan(&first, &axes));
+        }
         drop(first);
         let (job, _lock) = self.results.lock_job(&self.deck)?;
         let log = self.resume.log(&job)?;
@@ -169,6 +174,19 @@ impl StudyCommand {
 }
 
 impl StudyCommand {
+    /// Describes the number of runs, and the time that they need if the run time follows from elements and increments.
+    fn describe_plan(&self, first: &job::PreparedJob, axes: &[StudyAxis]) -> String {
+        let settings: usize = axes.iter().map(|axis| axis.values.len()).product();
+        let costs = axes
+            .iter()
+            .map(|axis| axis.values.iter().map(|value| axis.relative_cost(value, &first.deck.parameters)).sum::<f64>());
+        let runs = settings * self.repeat as usize;
+        let cost = costs.product::<f64>() * f64::from(self.repeat);
+        let trial = overview::measure(&first.plan, first.state.clone(), overview::COUNTING_SHARE);
+        let time = trial.map_or(String::new(), |trial| format!(", about {}", seconds(cost * trial.seconds)));
+        format!("plan: {settings} settings, {runs} runs{time}")
+    }
+
     /// Returns the hash of everything on which the runs and their order depend.
     fn identity(&self, first: &job::PreparedJob, axes: &[StudyAxis], compiled: Option<&Compiled>) -> String {
         let user = compiled.map(Compiled::identity).unwrap_or_default();

@@ -12,7 +12,7 @@ use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::{Agreement, ReferenceTable};
 use crate::study::dakota;
 use crate::study::evaluate::DeckSource;
-use crate::study::grid::CaseGrid;
+use crate::study::grid::{CaseGrid, json_value};
 use crate::study::quantity::{self, Quantity};
 use crate::study::sensitivity::{SensitivityRequest, sensitivities};
 use crate::study::{StudyError, sweep};
@@ -26,8 +26,7 @@ use serde::Serialize;
 use super::options::{OutputOptions, ResultOptions};
 use super::words::{self, print_err, print_out};
 use super::{
-    CommandStatus, UserFiles, accept, print_run_warnings, print_table, progress, report_failures, settings_text,
-    write_results,
+    CommandStatus, UserFiles, accept, print_run_warnings, progress, report_failures, settings_text, write_results,
 };
 
 /// Run a deck over values of its parameters and write one table and one picture.
@@ -386,7 +385,7 @@ fn measured(grid: &mut CaseGrid, name: &str) -> Result<ReferenceTable, StudyErro
 /// A run of a sweep as `--json` prints it.
 #[derive(Serialize)]
 struct SweepRunRecord<'a> {
-    parameters: IndexMap<&'a str, &'a str>,
+    parameters: IndexMap<&'a str, serde_json::Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     values: Option<IndexMap<&'a str, f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -405,7 +404,7 @@ fn json_object(
     let each_run = results.parameters.iter().zip(&results.values).zip(&results.warnings);
     let runs: Vec<SweepRunRecord<'_>> = each_run
         .map(|((parameters, values), doubts)| SweepRunRecord {
-            parameters: names.iter().copied().zip(parameters.iter().map(String::as_str)).collect(),
+            parameters: names.iter().copied().zip(parameters.iter().map(|text| json_value(text))).collect(),
             values: values
                 .as_ref()
                 .ok()
@@ -423,7 +422,7 @@ fn print_sweep(compared: &sweep::ComparedTable, job: &output::JobFiles) {
     if compared.table.rows.is_empty() {
         return;
     }
-    print_table(&compared.table);
+    words::write(format_args!("{}", compared.table.terminal_excerpt()), false);
     for (column, agreement) in &compared.agreement {
         print_out!("difference from {column}: {}", agreement.text());
     }

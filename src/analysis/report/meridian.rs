@@ -445,10 +445,11 @@ impl FrameCanvas<'_> {
         let (zs, rs) = (ticks(low, top, 7.0), ticks(-reach, reach, 7.0));
         // Both axes have the same scale and the same power of ten.
         let exponent = axis::exponent(&[&zs[..], &rs].concat());
-        let names = ["z", "r"].map(|name| axis::title(name, length, exponent));
-        let (level, upright) = if self.view.z_is_horizontal { (&*names[0], "r") } else { (&*names[1], "z") };
+        let names = if self.view.z_is_horizontal { ["z", "r"] } else { ["r", "z"] };
+        let [level, upright] = names.map(|name| axis::title(name, length, exponent));
         drawing.label(TextLabel::new([0.5 * (MARGIN[0] + right), bottom + 46.0], TextAnchor::Middle, level));
-        drawing.label(TextLabel::new([18.0, MARGIN[2] + 0.5 * high], TextAnchor::Middle, upright));
+        let beside = TextLabel::new([26.0, MARGIN[2] + 0.5 * high], TextAnchor::Middle, upright);
+        drawing.label(TextLabel { upright: true, ..beside });
         let on_z = zs.into_iter().map(|z| (self.view.place([0.0, z]), z, self.view.z_is_horizontal));
         let on_r = rs.into_iter().map(|r| (self.view.place([r, low]), r.abs(), !self.view.z_is_horizontal));
         for ([x, y], value, is_level) in on_z.chain(on_r) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use rand_chacha::rand_core::RngCore as _;
+use serde_json::{Number, Value};
 
 use super::StudyError;
 use super::statistics::design::{draws, unit};
@@ -12,6 +13,12 @@ use crate::output::csv;
 
 /// Largest number of cases of one sweep.
 const MOST: usize = 10_000_000;
+
+/// Returns the value of a parameter for JSON: a number, or a text that is none.
+pub fn json_value(text: &str) -> Value {
+    let number = serde_json::from_str(text).ok().or_else(|| Number::from_f64(text.parse().ok()?));
+    number.map_or_else(|| Value::from(text), Value::Number)
+}
 
 /// Parameters with their values, and the order of the cases.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -309,7 +316,16 @@ pub(super) fn records(text: &str, gaps: bool) -> Result<TextTable, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{CaseGrid, SettingForm};
+    use serde_json::json;
+
+    use super::{CaseGrid, SettingForm, json_value};
+
+    #[test]
+    fn numbers_are_numbers_in_json() {
+        let texts = ["569", "-2.5e-3", ".5", "2.", "1/2", "plane", "inf"];
+        let values = [json!(569), json!(-2.5e-3), json!(0.5), json!(2.0), json!("1/2"), json!("plane"), json!("inf")];
+        assert_eq!(texts.map(json_value), values);
+    }
 
     #[test]
     fn settings_have_one_of_three_forms() {

@@ -2,9 +2,11 @@
 
 use indexmap::IndexMap;
 use serde::Serialize;
+use serde_json::Value;
 
 use super::chart::{AxisScale, Chart, ChartSeries, SeriesForm};
 use super::effects::EffectAblation;
+use super::grid::json_value;
 use super::noise::NoiseEstimate;
 use super::price::{self, AccuracyCost, setting, setting_without};
 use super::refinement::{ErrorReference, RefinementStudy, StudyRow};
@@ -128,8 +130,8 @@ pub struct CompletedStudy {
 /// Result of one setting, an entry of `runs`.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunRecord<'a> {
-    /// Value of each parameter, as written.
-    pub setting: IndexMap<&'a str, &'a str>,
+    /// Value of each parameter; a text if it is not a number.
+    pub setting: IndexMap<&'a str, Value>,
     /// Error, if the run gave no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
@@ -184,7 +186,7 @@ pub fn record<'a>(quantity: &'a str, exact: Option<f64>, completed: &'a Complete
 fn run<'a>(study: &'a RefinementStudy, row: &'a StudyRow) -> RunRecord<'a> {
     let ran = row.run.as_ref().ok();
     RunRecord {
-        setting: study.axes.iter().map(String::as_str).zip(row.values.iter().map(String::as_str)).collect(),
+        setting: study.axes.iter().map(String::as_str).zip(row.values.iter().map(|text| json_value(text))).collect(),
         failure: row.run.as_ref().err().map(ToString::to_string),
         value: row.value,
         error: row.error,

@@ -63,6 +63,21 @@ impl StudyAxis {
         if self.rises() { 1.0 / size } else { size }
     }
 
+    /// Returns the run time of a value, relative to that of the deck with these parameters: a mesh with half the element
+    /// size has four times the elements and twice the increments.
+    pub fn relative_cost(&self, value: &str, parameters: &[(String, f64)]) -> f64 {
+        let Ok(number) = value.parse::<f64>() else { return 1.0 };
+        match &self.parameter {
+            StudyParameter::Mesh => number.powi(3),
+            StudyParameter::Increment => 1.0 / number,
+            StudyParameter::Parameter(name) if self.is_refinement() => {
+                let of_deck = parameters.iter().find(|(known, _)| known == name);
+                of_deck.map_or(1.0, |&(_, value)| (self.size(value) / self.size(number)).powi(3))
+            }
+            _ => 1.0,
+        }
+    }
+
     fn rises(&self) -> bool {
         let numbers: Vec<f64> = self.values.iter().filter_map(|v| v.parse().ok()).collect();
         numbers.len() > 1 && numbers[1] > numbers[0]

@@ -66,6 +66,11 @@ impl Compiled {
         self.libraries.iter().map(|library| library.identity.as_str()).collect::<Vec<_>>().join(" ")
     }
 
+    /// Returns the files as the user has given them.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
     /// Opens the libraries for one run. The variables of the returned subroutines are independent of other runs.
     ///
     /// # Errors

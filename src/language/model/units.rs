@@ -95,6 +95,11 @@ fn within(value: f64, [from, to]: [f64; 2]) -> bool {
 }
 
 impl DeckUnits {
+    /// Returns the names in the form of `*UNITS`.
+    pub fn words(&self) -> String {
+        [&self.length, &self.mass, &self.time, &self.temperature].map(String::as_str).join(", ")
+    }
+
     /// Returns the common unit system with these names; `None` for other combinations.
     pub fn system(&self) -> Option<&'static UnitSystem> {
         let same = |name: &str, word: &str| {

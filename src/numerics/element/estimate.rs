@@ -12,7 +12,9 @@ impl Elements {
         let mut cap = f64::INFINITY;
         if let Some(mut frequency) = self.frequency.take() {
             frequency.begin(&self.groups, nodes, held);
-            if use_estimate {
+            if use_estimate && frequency.wears_at_once(&self.groups, nodes) {
+                frequency.state.wait();
+            } else if use_estimate {
                 // Immediately: a jump of the time increment would change the energy of the highest modes.
                 frequency.update_estimate(&self.groups, nodes, self.arch);
                 cap = frequency.state.cap(0.0);

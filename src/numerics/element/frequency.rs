@@ -13,9 +13,11 @@ use rayon::prelude::*;
 use super::group::ElementGroup;
 use super::lanczos::{LanczosVectors, SparseOperator};
 use crate::kernel::chunks::CHUNK;
+use crate::kernel::lanes::InlineMap as _;
+use crate::platform::PortableMath as _;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
-use crate::state::nodes::Nodes;
+use crate::state::nodes::{Node, Nodes};
 
 /// Approximate run time of an estimate in increments: each step reads the operator once.
 const COST: f64 = 50.0;
@@ -101,6 +103,36 @@ impl HighestFrequency {
     }
 }
 
+impl HighestFrequency {
+    /// Returns whether an estimate would be discarded before it pays, because the initial velocities deform elements fast. The
+    /// time increment would fall to that of single elements while the accelerations of an impact are largest, which adds
+    /// energy: m a² (dt'² - dt²)/8 at each node.
+    pub(super) fn wears_at_once(&self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> bool {
+        let strain_rate = groups.iter().map(|group| self.strain_rate(&**group, nodes)).fold(0.0, f64::max);
+        !self.state.holds && COST * strain_rate > WORN * rate_by_elements(groups, nodes)
+    }
+
+    /// Returns the largest rate of strain along a side of an element, with prescribed degrees of freedom at rest.
+    fn strain_rate(&self, group: &dyn ElementGroup, nodes: &Nodes) -> f64 {
+        let of_side = |a: u32, b: u32| {
+            let [from, to] = [a, b].inline_map(|n| (&nodes.as_slice()[n as usize], self.roots[n as usize]));
+            let velocity = |(node, roots): (&Node, [f64; 2])| {
+                let free = |velocity: f64, root: f64| if root > 0.0 { velocity } else { 0.0 };
+                [free(node.v_r, roots[0]), free(node.v_z, roots[1])]
+            };
+            let ([u_r, u_z], [v_r, v_z]) = (velocity(from), velocity(to));
+            (v_r - u_r).portable_hypot(v_z - u_z) / (to.0.r - from.0.r).portable_hypot(to.0.z - from.0.z)
+        };
+        let of_element = |e: usize| {
+            let corners = group.nodes(e);
+            let next = corners.into_iter().cycle().skip(1);
+            corners.into_iter().zip(next).map(|(a, b)| of_side(a, b)).fold(0.0, f64::max)
+        };
+        let elements = (0..group.len()).into_par_iter().with_min_len(CHUNK).filter(|e| !group.is_deleted(*e));
+        elements.map(of_element).reduce(|| 0.0, f64::max)
+    }
+}
+
 impl EstimateState {
     /// Returns the frequency bound for the next pass: the last estimate, increased by the growth since that estimate
     /// and by the growth assumed for the pass.
@@ -126,6 +158,11 @@ impl EstimateState {
     /// Returns whether a new estimate replaces this one immediately, so that the time increment does not jump.
     pub(super) fn renews_at_once(&self) -> bool {
         self.holds && self.age as f64 > COST
+    }
+
+    /// Waits for the first pause, as after an estimate that did not pay.
+    pub(super) fn wait(&mut self) {
+        self.pause = PAUSE[0];
     }
 
     /// Discards the estimate and sets the pause before the next one.

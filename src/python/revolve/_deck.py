@@ -6,12 +6,13 @@ import html
 import json
 import os
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import _load, _progress, _report, _revolve, _threads
+from . import _load, _program, _progress, _report, _revolve, _threads
 from ._errors import Diagnostic, HaltedError, read
 from ._evaluate import Evaluation, Parameters, sorted_out
 from ._load import Load
@@ -74,6 +75,11 @@ class Deck:
     def parameters(self) -> dict[str, float]:
         """Values of the ``*PARAMETER`` of the deck."""
         return dict(self._checked(None, None, {})["parameters"])
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Units of ``length``, ``mass``, ``time`` and ``temperature``; empty without ``*UNITS``."""
+        return self._checked(None, None, {})["units"] or {}
 
     @property
     def columns(self) -> list[str]:
@@ -145,7 +151,7 @@ class Deck:
             values, reasons = evaluator.run(samples.table, _threads.resolved(threads), told)
         finally:
             _progress.closed(told)
-        return Evaluation(values, wanted, dict(reasons))
+        return Evaluation(values, wanted, dict(reasons), samples, self.units)
 
     def _evaluator(
         self,
@@ -304,6 +310,124 @@ class Deck:
         )
         return Limit(json.loads(found))
 
+    def scatter(
+        self,
+        distributions: Mapping[str, str],
+        quantities: str | Sequence[str],
+        *,
+        count: int = 1000,
+        seed: int = 0,
+        sampling: str = "random",
+        quantiles: Sequence[float] = (0.05, 0.5, 0.95),
+        correlations: Mapping[tuple[str, str], float] | None = None,
+        indices: bool = False,
+        table: str | os.PathLike[str] | None = None,
+        in_increments: bool = False,
+        user: User = None,
+        threads: int | None = None,
+        **parameters: Value,
+    ) -> dict[str, Any]:
+        """Estimate statistics of quantities for random parameters, and with ``indices`` their Sobol indices.
+
+        ``distributions`` are such as ``{"V": "normal(569, 5)"}``, ``sampling`` is ``random``, ``latin`` or ``sobol``.
+        The result has the keys of ``<deck>_scatter.json``: ``estimates`` has one row for each quantity and statistic.
+        ``table`` is a file for all samples.
+        """
+        wanted = [quantities] if isinstance(quantities, str) else quantities
+        options = [
+            *_program.common(_settings(parameters), user, threads),
+            *_program.pairs("distribution", distributions),
+            *_program.pairs("correlation", {":".join(names): value for names, value in (correlations or {}).items()}),
+            *(("quantity", quantity) for quantity in wanted),
+            *(("count", count), ("seed", seed), ("sampling", sampling), ("quantiles", quantiles)),
+            *(("indices", indices), ("table", _path(table)), ("in-increments", in_increments)),
+        ]
+        return _program.record(self, "scatter", options)
+
+    def identify(
+        self,
+        unknowns: Mapping[str, float | str | tuple[float, float]],
+        shots: str | os.PathLike[str],
+        measured: Mapping[str, str] | None = None,
+        *,
+        curves: Mapping[str, str] | None = None,
+        deviations: Sequence[str | float] = (),
+        starts: int = 1,
+        posterior: bool | int = False,
+        model_error: bool = False,
+        most_runs: int | None = None,
+        seed: int = 0,
+        in_increments: bool = False,
+        user: User = None,
+        threads: int | None = None,
+        **parameters: Value,
+    ) -> dict[str, Any]:
+        """Fit parameters of the deck to measured values.
+
+        ``unknowns`` gives a start or bounds ``(low, high)`` for each parameter, ``shots`` is a CSV file with a row for
+        each shot, ``measured`` gives the computed quantity for each of its columns, ``curves`` that for columns which
+        name files of curves. ``deviations`` are columns or numbers in the order of both. ``posterior`` computes the
+        posterior distribution, up to an effective sample size. The result has the keys of ``<deck>_identify.json``.
+        """
+        options = [
+            *_program.common(_settings(parameters), user, threads),
+            *_program.pairs("unknown", unknowns),
+            ("shots", _path(shots)),
+            *(option for column, of in (measured or {}).items() for option in (("measured", column), ("quantity", of))),
+            *_program.pairs("curve", curves or {}),
+            *(("deviation", deviation) for deviation in deviations),
+            *(("starts", starts), ("posterior", posterior), ("model-error", model_error), ("most-runs", most_runs)),
+            *(("seed", seed if posterior else None), ("in-increments", in_increments)),
+        ]
+        return _program.record(self, "identify", options)
+
+    def resistance(
+        self,
+        to: float,
+        *,
+        material: str | None = None,
+        shape: str = "spherical",
+        terms: int = 3,
+        points: int | None = None,
+        static: bool = False,
+        **parameters: Value,
+    ) -> dict[str, Any]:
+        """Compute the cavity-expansion pressure of a material of the deck up to the velocity ``to``, and fit it.
+
+        ``shape`` is ``spherical`` or ``cylindrical``. The result has the keys of ``revolve resistance --json``.
+        """
+        options = [
+            *(("set", f"{name}={value}") for name, value in _settings(parameters)),
+            *(("to", to), ("material", material), ("type", shape), ("terms", terms)),
+            *(("points", points), ("static", static)),
+        ]
+        return _program.record(self, "resistance", options, writes=False)
+
+    def material(
+        self,
+        name: str | None = None,
+        *,
+        rates: Sequence[float] | None = None,
+        temperatures: Sequence[float] | None = None,
+        strain: float = 0.5,
+        isothermal: bool = False,
+        confinements: Sequence[float] | None = None,
+        length: float | None = None,
+        user: User = None,
+        **parameters: Value,
+    ) -> dict[str, Any]:
+        """Compute stress over strain of the materials of the deck, or of the material ``name``.
+
+        ``confinements`` are pressures of triaxial compression, ``length`` the element length of damage and cracks. The
+        result has the keys of ``revolve material --json``.
+        """
+        options = [
+            *_program.common(_settings(parameters), user, None),
+            *(("material", name), ("rates", rates), ("temperatures", temperatures), ("strain", strain)),
+            *(("isothermal", isothermal), ("confinements", confinements), ("length", length)),
+        ]
+        return _program.record(self, "material", options)
+
     def __repr__(self) -> str:
         return f"<Deck {self.name!r}>"
 
@@ -325,6 +449,10 @@ def _written(value: Value) -> str:
     if isinstance(value, str):
         return value
     return repr(int(value)) if isinstance(value, (int, np.integer)) else repr(float(value))
+
+
+def _path(path: str | os.PathLike[str] | None) -> Path | None:
+    return None if path is None else Path(path)
 
 
 def _settings(parameters: Mapping[str, Value]) -> list[tuple[str, str]]:

@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from ._deck import Deck
 
 Array = npt.NDArray[np.float64]
@@ -54,6 +56,10 @@ class Evaluation:
     """Expressions of the columns."""
     reasons: dict[int, str] = field(default_factory=dict)
     """Errors of the failed runs by row."""
+    samples: Samples = field(default_factory=lambda: Samples((), (), np.empty((0, 0))))
+    """Samples of the parameters."""
+    units: dict[str, str] = field(default_factory=dict)
+    """Units of the deck by dimension; empty without ``*UNITS``."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return self.values.astype(dtype) if dtype is not None or copy else self.values
@@ -68,6 +74,20 @@ class Evaluation:
     def shape(self) -> tuple[int, ...]:
         """Shape of the table, ``(N, k)``."""
         return self.values.shape
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a table of parameters, quantities and ``failure``: the error of a failed run, else none.
+
+        ``attrs["units"]`` are the units of the deck, ``attrs["fixed"]`` the parameters that are texts.
+        """
+        import pandas as pd
+
+        columns = {name: self.samples.table[:, at] for at, name in enumerate(self.samples.names)}
+        columns |= {quantity: self.values[:, at] for at, quantity in enumerate(self.quantities)}
+        failures = pd.Series([self.reasons.get(row) for row in range(len(self))], dtype=object, name="failure")
+        table = pd.DataFrame(columns).assign(failure=failures)
+        table.attrs = {"units": self.units, "fixed": dict(self.samples.fixed)}
+        return table
 
     @property
     def ok(self) -> npt.NDArray[np.bool_]:

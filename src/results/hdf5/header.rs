@@ -76,7 +76,7 @@ pub enum AttributeValue<'a> {
     Integer(i64),
     /// A list of integers.
     Integers(&'a [i64]),
-    /// Text of ASCII characters with a fixed length.
+    /// Text in UTF-8 with a fixed length.
     Text(&'a str),
 }
 
@@ -96,7 +96,10 @@ impl<'a> Attribute<'a> {
                 (Element::I64.datatype(), vec![values.len() as u64], data)
             }
             AttributeValue::Text(text) => {
-                (vec![0x13, 0, 0, 0, text.len() as u8, 0, 0, 0], vec![], text.as_bytes().to_vec())
+                let charset = if text.is_ascii() { 0 } else { 0x10 };
+                let mut datatype = vec![0x13, charset, 0, 0];
+                datatype.extend((text.len() as u32).to_le_bytes());
+                (datatype, vec![], text.as_bytes().to_vec())
             }
         };
         let space = dataspace(&shape, None);

@@ -42,6 +42,7 @@ use crate::solve::{
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
+use crate::variables::dimension::dimension_of;
 pub use memory::run_kept;
 pub use provenance::{InputFile, InputKind, Provenance, read_copies};
 use status::StatusFile;
@@ -298,6 +299,9 @@ pub struct RunSummary {
     /// Names of the units, if the deck has `*UNITS`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<DeckUnits>,
+    /// Units of the history columns with a known dimension.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub column_units: IndexMap<String, String>,
     /// Names of the materials; the array MATERIAL of frames has their numbers, counted from 1.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
@@ -696,17 +700,18 @@ pub fn run_with<'a>(
     let mut history = RunHistory::of_rows(prepared.plan.column_names());
     let goes_on = options.from.is_some();
     let style = if let FrameOutput::Written(style) = options.frames { style } else { FrameStyle::default() };
+    let mut provenance = options.provenance;
+    let origin = provenance::origin(prepared, provenance.as_ref());
     let frames = match &options.from {
-        None => FrameWriter::new(job.clone(), style),
+        None => FrameWriter::new(job.clone(), style, origin),
         Some(checkpoint) => {
             let (mut frames, mut archive) = (Vec::new(), StateArchive::reader(&checkpoint.shown));
             persist_shown(&mut frames, &mut history, &mut archive);
             archive.finish().map_err(checkpoint_mismatch)?;
-            FrameWriter::resume(job.clone(), frames, style)
+            FrameWriter::resume(job.clone(), frames, style, origin)
         }
     };
     let frames = frames.map_err(JobError::Folder)?;
-    let mut provenance = options.provenance;
     let of_copies = provenance.as_mut().map(|provenance| provenance.write_copies(job));
     // Only the live view reads it. Where it cannot be written, the first result file that cannot halts the run.
     setup::write_setup(prepared, job).ok();
@@ -840,8 +845,15 @@ fn announce_to_user(prepared: &PreparedJob, job: &JobFiles) {
     });
 }
 
+/// Returns the units of the columns with a known dimension.
+fn units_of(columns: &[String], units: &DeckUnits) -> IndexMap<String, String> {
+    let unit = |name: &String| Some((name.clone(), units.name(dimension_of(name)?)));
+    columns.iter().filter_map(unit).filter(|(_, unit)| !unit.is_empty()).collect()
+}
+
 fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> RunSummary {
     let deck = &prepared.deck;
+    let column_units = prepared.units.as_ref().map(|units| units_of(&history.columns, units)).unwrap_or_default();
     let mut ledger = prepared.plan.ledger.clone();
     for share in &outcome.ranges {
         let is_same = |planned: &&PlannedRange| {
@@ -904,6 +916,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),
         units: prepared.units.clone(),
+        column_units,
         materials: prepared.plan.labels.material_names().to_vec(),
         timing: RunTiming {
             increments: outcome.increments,

@@ -157,6 +157,18 @@ impl InputFile {
     }
 }
 
+/// Returns the origin of the results in one line, for files of results: program, deck with its SHA-256, and units. It does
+/// not depend on the machine, nor on the instant of the run.
+pub(super) fn origin(prepared: &PreparedJob, provenance: Option<&Provenance>) -> String {
+    let mut parts = vec![format!("revolve {}", env!("CARGO_PKG_VERSION"))];
+    if let Some(provenance) = provenance {
+        parts.extend(provenance.commit.iter().map(|commit| format!("commit {commit}")));
+        parts.extend(provenance.input.first().map(|deck| format!("deck {}, SHA-256 {}", deck.file, deck.sha256)));
+    }
+    parts.extend(prepared.units.as_ref().map(|units| format!("units {}", units.words())));
+    parts.join("; ")
+}
+
 /// Returns the absolute path of a deck that is a file.
 fn deck_path(path: Option<&Path>) -> Option<String> {
     let path = path.filter(|path| path.is_file())?;

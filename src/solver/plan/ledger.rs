@@ -82,6 +82,13 @@ impl Ledger {
         }
     }
 
+    /// Renders the effects as one line, and the cards without effect.
+    pub fn render_names(&self) -> String {
+        let names: IndexSet<&str> = self.effects.iter().map(|row| row.effect.as_str()).collect();
+        let names: Vec<&str> = names.into_iter().collect();
+        format!("effects: {}\n{}", names.join(", "), self.unused_text(false))
+    }
+
     /// Renders the ledger as text of 80 columns, with file names without folders. `bytes` adds a column of memory
     /// sizes, and the reason for each card without effect.
     pub fn render(&self, bytes: bool) -> String {

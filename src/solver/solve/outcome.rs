@@ -183,7 +183,7 @@ pub struct StepSummary {
     pub increments: u64,
     /// Time reached in the step.
     pub time: f64,
-    /// Smallest time increment of the step.
+    /// Smallest time increment of the step, without those that the end of the step or the rest of a body cuts.
     pub smallest_increment: f64,
     /// Largest time increment of the step.
     pub largest_increment: f64,

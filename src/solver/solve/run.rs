@@ -336,7 +336,9 @@ impl<'a> SolverRun<'a> {
             summary.increments += 1;
             summary.time = run.now.step_time;
             summary.limits.take(run.previous_instant.total_time, length, by, limiting.unwrap_or_default());
-            if length < summary.smallest_increment {
+            // The last increment of a step is as long as the time that is left.
+            let is_cut = matches!(by, IncrementLimiter::Step | IncrementLimiter::Rest);
+            if length < summary.smallest_increment && (!is_cut || summary.smallest_increment.is_infinite()) {
                 summary.smallest_increment = length;
                 self.limiting = limiting;
             }
