@@ -56,6 +56,13 @@ impl Elements {
         self.frequency = Some(frequency);
     }
 
+    /// Returns the stable time increment that the mesh would have without deformation: where a step has begun without the
+    /// global estimate, as if the elements were squares, which it helps by sqrt(2).
+    pub fn undisturbed_increment(&self) -> f64 {
+        let waits = self.frequency.as_ref().is_some_and(|frequency| frequency.state.waits);
+        self.stable_increment() * if waits { std::f64::consts::SQRT_2 } else { 1.0 }
+    }
+
     /// Returns the number of estimates of the highest frequency so far; `None` without the estimate.
     pub fn estimates(&self) -> Option<u64> {
         self.frequency.as_ref().map(|f| f.state.count)

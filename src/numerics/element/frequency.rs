@@ -55,6 +55,8 @@ pub(super) struct EstimateState {
     pub by_elements: f64,
     pub gain: f64,
     pub count: u64,
+    /// Whether the step has begun without an estimate, and has none so far.
+    pub waits: bool,
     /// Whether the bound includes its whole allowed growth from the start, so that the time increment is constant until
     /// the estimate is discarded.
     pub holds: bool,
@@ -162,7 +164,7 @@ impl EstimateState {
 
     /// Waits for the first pause, as after an estimate that did not pay.
     pub(super) fn wait(&mut self) {
-        self.pause = PAUSE[0];
+        (self.pause, self.waits) = (PAUSE[0], true);
     }
 
     /// Discards the estimate and sets the pause before the next one.
@@ -212,6 +214,7 @@ impl HighestFrequency {
         let frequency = self.find(groups, nodes, arch);
         let standing = &mut self.state;
         standing.count += 1;
+        standing.waits = false;
         (standing.age, standing.growth, standing.by_elements) = (0, 0.0, rate_by_elements(groups, nodes));
         standing.found = if frequency.is_finite() { frequency } else { 0.0 };
     }

@@ -94,7 +94,7 @@ impl MeshQuality {
     /// Returns whether the elements of a group, squashed by plastic flow, have cost enough increments for a new mesh.
     fn is_collapsed(&mut self, group: usize, limit: f64, elements: &Elements) -> bool {
         let stable = elements.stable_increment();
-        self.increment = self.increment.max(stable);
+        self.increment = self.increment.max(elements.undisturbed_increment());
         self.excess += AutomaticMeshes::INTERVAL as f64 * (1.0 - stable / self.increment);
         let is_short = is_limited_by(elements, group) && stable < limit * self.increment;
         is_short && self.excess > self.price && is_squashed(elements)
