@@ -1,10 +1,10 @@
 //! Identity of data: SHA-256 as hexadecimal text.
 
-use hmac_sha256::Hash;
+use sha2::{Digest as _, Sha256};
 
 /// Returns the hexadecimal SHA-256 of byte strings, each with its length.
 pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
-    let mut hash = Hash::new();
+    let mut hash = Sha256::new();
     for piece in pieces {
         hash.update((piece.len() as u64).to_le_bytes());
         hash.update(piece);
@@ -14,12 +14,12 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
 
 /// Returns the hexadecimal SHA-256 of bytes, as `sha256sum` prints it.
 pub fn sha256(bytes: &[u8]) -> String {
-    let mut hash = Hash::new();
+    let mut hash = Sha256::new();
     hash.update(bytes);
     hexadecimal(hash)
 }
 
 /// Returns the digits of a finished hash.
-pub fn hexadecimal(hash: Hash) -> String {
+pub fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -7,7 +7,7 @@
 use std::io;
 use std::path::Path;
 
-use hmac_sha256::Hash;
+use sha2::{Digest as _, Sha256};
 
 use super::write_durable;
 pub use revolve_diagnostics::digest::hash;
@@ -53,7 +53,7 @@ pub struct Checkpoint {
 
 /// Returns the hexadecimal SHA-256 of coordinates and node lists of elements.
 pub fn hash_mesh<'a>(points: &[[f64; 2]], elements: impl IntoIterator<Item = &'a [usize]>) -> String {
-    let mut hash = Hash::new();
+    let mut hash = Sha256::new();
     hash.update((points.len() as u64).to_le_bytes());
     points.iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
     for nodes in elements {
@@ -76,7 +76,7 @@ impl Checkpoint {
         persist_fields!(&mut archive; version, identity, now);
         archive.blob(shown);
         state.len().persist(&mut archive);
-        let mut hash = Hash::new();
+        let mut hash = Sha256::new();
         hash.update(&head);
         hash.update(state);
         write_durable(path, &[&MAGIC, &hash.finalize(), &head, state])
@@ -104,7 +104,7 @@ impl Checkpoint {
             return Err(other_version(path, &format!("its format is {}, this program uses {}", magic[7], MAGIC[7])));
         }
         let Some((sum, body)) = rest.split_at_checked(SUM) else { return Err(damaged("it is incomplete")) };
-        if Hash::hash(body)[..] != *sum {
+        if Sha256::digest(body)[..] != *sum {
             return Err(damaged("its checksum does not match its content"));
         }
         let mut checkpoint = Checkpoint::default();

@@ -9,7 +9,7 @@
 use std::io;
 use std::path::Path;
 
-use hmac_sha256::Hash;
+use sha2::{Digest as _, Sha256};
 use indexmap::IndexMap;
 
 use super::hdf5::{Attribute, AttributeValue, Dataset, Element, Group, Hdf5File, RowType, Storage};
@@ -245,11 +245,11 @@ impl VtkHdfWriter {
         let bytes = |values: &mut dyn Iterator<Item = i64>| -> Vec<u8> { values.flat_map(i64::to_le_bytes).collect() };
         let connectivity = bytes(&mut frame.cells.vtk_connectivity());
         let offsets = bytes(&mut frame.cells.vtk_offsets());
-        let mut hash = Hash::new();
+        let mut hash = Sha256::new();
         hash.update((frame.points.len() as u64).to_le_bytes());
         hash.update(&offsets);
         hash.update(&connectivity);
-        let digest = hash.finalize();
+        let digest = hash.finalize().into();
         let written = self.mesh.take().filter(|mesh| mesh.digest == digest);
         let mesh = match written {
             Some(mesh) => mesh,
@@ -410,7 +410,7 @@ impl Series {
 
     /// Writes rows unless they are those of the previous frame; returns the index of the first one.
     fn write(&mut self, file: &mut Hdf5File, rows: &[u8]) -> io::Result<usize> {
-        let digest = Hash::hash(rows);
+        let digest = Sha256::digest(rows).into();
         let first = match self.previous {
             Some((previous, first)) if previous == digest => first,
             _ => self.data.append(file, rows)?,

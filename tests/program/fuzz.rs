@@ -11,7 +11,7 @@ use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use hmac_sha256::Hash;
+use sha2::{Digest as _, Sha256};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use revolve::job;
@@ -326,7 +326,7 @@ fn checkpoints() {
             changed.truncate(*at as usize % (changed.len() + 1));
         }
         if *mended && changed.len() > 40 {
-            let sum = Hash::hash(&changed[40..]);
+            let sum = Sha256::digest(&changed[40..]);
             changed[8..40].copy_from_slice(&sum);
         }
         std::fs::write(&path, &changed).expect("a file");

@@ -8,6 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use revolve::report;
 use revolve::report::data::MeridianFrames;
 use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use crate::browser::{HeadlessBrowser, PageView};
@@ -435,7 +436,7 @@ fn page_policy_permits_only_the_script_of_the_page() {
     };
     let permitted = between("script-src 'sha256-", "'");
     let script = between("<script>", "</script>");
-    assert_eq!(permitted, STANDARD.encode(hmac_sha256::Hash::hash(script.as_bytes())));
+    assert_eq!(permitted, STANDARD.encode(Sha256::digest(script.as_bytes())));
     assert!(!between("script-src ", ";").contains("unsafe-inline"));
 
     let Some(mut browser) = HeadlessBrowser::start() else { return };

@@ -2,6 +2,7 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest as _, Sha256};
 
 use super::ReportError;
 use super::data::ReportPage;
@@ -28,7 +29,7 @@ impl PageContents<'_> {
     /// Returns the content security policy: the page loads nothing but what `permissions` allow, and uses only its own
     /// style and script. The script is permitted by the SHA-256 hash of its text, so that a browser runs no other.
     fn policy(&self, script: &str) -> String {
-        let hash = STANDARD.encode(hmac_sha256::Hash::hash(script.as_bytes()));
+        let hash = STANDARD.encode(Sha256::digest(script.as_bytes()));
         format!(
             "default-src 'none'; {}style-src 'unsafe-inline'; script-src 'sha256-{hash}'; img-src data:; base-uri 'none'; \
              form-action 'none'",

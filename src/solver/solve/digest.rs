@@ -1,13 +1,13 @@
 //! Digest of a run: a hash over the bits of its final state in a fixed order, independent of the build.
 
-use hmac_sha256::Hash;
+use sha2::{Digest as _, Sha256};
 
 use super::run_state::RunState;
 use crate::element::group::ElementGroup;
 use crate::variables::{Variable, VariableComponent};
 
 /// Hash of floating-point numbers by their bit patterns.
-struct BitHasher(Hash);
+struct BitHasher(Sha256);
 
 impl BitHasher {
     fn add(&mut self, values: &[f64]) {
@@ -36,7 +36,7 @@ impl BitHasher {
 /// Returns the SHA-256 digest, in hexadecimal, of time, increment, motion of bodies and nodes, element states and
 /// energies.
 pub(super) fn digest(run: &RunState<'_>) -> String {
-    let mut bits = BitHasher(Hash::new());
+    let mut bits = BitHasher(Sha256::new());
     bits.0.update(run.now.increment.to_le_bytes());
     bits.add(&[run.now.step_time, run.now.total_time]);
     for body in &run.state.dofs.bodies {

@@ -2,7 +2,7 @@
 //! the correct length are detected by the checksum only (docs/SECURITY.md).
 use std::sync::OnceLock;
 
-use hmac_sha256::Hash;
+use sha2::{Digest as _, Sha256};
 use revolve::job::{self, PreparedJob};
 use revolve::output::checkpoint::{Checkpoint, JobIdentity};
 use revolve::user::Routines;
@@ -65,7 +65,7 @@ pub fn read(data: &[u8]) {
         which => {
             let mut bytes = if which == 2 { rest.to_vec() } else { changed(&scene.file, rest) };
             if bytes.len() > HEAD {
-                let sum = Hash::hash(&bytes[HEAD..]);
+                let sum = Sha256::digest(&bytes[HEAD..]);
                 bytes[8..HEAD].copy_from_slice(&sum);
             }
             let path = super::folder().join("job.checkpoint");
