@@ -11,6 +11,7 @@ pub mod concrete_tables;
 #[cfg(test)]
 mod concrete_tests;
 pub mod drucker_prager;
+pub mod eos_solid;
 pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
