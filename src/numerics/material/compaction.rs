@@ -194,7 +194,7 @@ impl PorousCompaction {
         EosLine { cold: pressure(distension), per_energy: 0.0, cold_slope: 0.0, energy_slope: 0.0 }
     }
 
-    /// Updates pressures, energies and distensions of a block. Equation (7.16).
+    /// Updates pressures, energies and distensions of a block.
     pub(super) fn advance_block(&self, state: &mut DistensionState, energy: &mut Lanes, update: &mut PressureUpdate) {
         for l in 0..LANES {
             let mut distension = PointDistension { smallest: state.smallest[l], current: state.current[l] };

@@ -170,20 +170,20 @@ impl LawTarget {
         Ok(CavityPressure { velocity, stress, plastic: end.plastic, cracked: None })
     }
 
-    /// Returns the expansion whose wall moves at a velocity over the wave speed, with a shock from rest, and `slow` the fastest
+    /// Returns the expansion with a shock from rest whose wall moves at a velocity over the wave speed; `slow` is the fastest
     /// expansion with an elastic wave. Between both, the front is almost as fast as the wave, and results are interpolated.
     fn shocked(&self, velocity: f64, slow: Expansion, motion: Motion) -> Result<Expansion, ResistanceError> {
-        let fast = |ends: Expansion| {
-            let [velocity, fastest] = [velocity, ends.cavity].map(|share| share * self.wave_speed());
+        let too_fast = |fastest: Expansion| {
+            let [velocity, fastest] = [velocity, fastest.cavity].map(|share| share * self.wave_speed());
             ResistanceError::Fast { velocity, fastest }
         };
         let excess = |place: f64| self.shocked_expansion(place, motion).map(|end| libm::log(end.cavity / velocity));
-        let first = self.shocked_expansion(SLOWEST_SHOCK, motion).ok_or_else(|| fast(slow))?;
+        let first = self.shocked_expansion(SLOWEST_SHOCK, motion).ok_or_else(|| too_fast(slow))?;
         if first.cavity >= velocity {
             return if first.cavity < (1.0 + WIDEST_JUMP) * slow.cavity {
                 Ok(slow.towards(&first, velocity))
             } else {
-                Err(fast(slow))
+                Err(too_fast(slow))
             };
         }
         let mut low = SLOWEST_SHOCK;
@@ -194,8 +194,8 @@ impl LawTarget {
             at_high = excess(high);
         }
         let [below, above] = root::bracketed(excess, [(low, excess(low)), (high, at_high)], VELOCITY_TOLERANCE);
-        let end = self.shocked_expansion(below, motion).ok_or_else(|| fast(first))?;
-        if below == above { Ok(end) } else { Err(fast(end)) }
+        let end = self.shocked_expansion(below, motion).ok_or_else(|| too_fast(first))?;
+        if below == above { Ok(end) } else { Err(too_fast(end)) }
     }
 
     /// Returns the expansion behind a shock from rest whose front has `place` times the speed of elastic waves; `None` without

@@ -110,7 +110,7 @@ impl StressReturn for EosSolid {
         true
     }
 
-    /// Equations (6.2) and (7.2).
+    /// Equations (6.2), (7.2).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let dilation = point.dilation();
         let TrialStress { deviator, mises, .. } = point.trial;
