@@ -33,6 +33,7 @@ mod python;
 mod report;
 mod reproducibility;
 mod restart;
+mod restart_of_laws;
 mod resumed_commands;
 mod same_bits;
 mod searches;

@@ -78,7 +78,7 @@ fn run(text: &str, routines: &Routines, control: RunControl<'_>) -> (Outcome, Ch
 }
 
 /// Writes about six checkpoints of a deck and resumes from each.
-fn assert_resumes(name: &str, text: &str, routines: impl Fn() -> Routines) -> Outcome {
+pub(crate) fn assert_resumes(name: &str, text: &str, routines: impl Fn() -> Routines) -> Outcome {
     let (whole, reference) = run(text, &routines(), RunControl::default());
     assert!(whole.increments > 12, "{name}: {whole:?}");
     let every = Some(CheckpointInterval::Increments(whole.increments / 6));
@@ -96,7 +96,7 @@ fn assert_resumes(name: &str, text: &str, routines: impl Fn() -> Routines) -> Ou
 }
 
 /// Returns a bar of `n` by 4 `n` elements that flies against its fixed foot, with all output variables.
-fn bar(n: usize, material: &str, speed: f64, time: f64, cards: &str) -> String {
+pub(crate) fn bar(n: usize, material: &str, speed: f64, time: f64, cards: &str) -> String {
     let (width, height) = (3.2 / n as f64, 12.8 / (4 * n) as f64);
     grid(n, 4 * n, false, |i, j| [width * i as f64, height * j as f64])
         + material
@@ -113,7 +113,7 @@ fn steel(cards: &str) -> String {
     material(206e3, 0.3, 7.83e-9, cards)
 }
 
-fn bare(cards: &str) -> String {
+pub(crate) fn bare(cards: &str) -> String {
     format!("*Solid Section, elset=SOLID, material=M\n*Material, name=M\n{cards}")
 }
 

@@ -76,6 +76,7 @@ mod sliding_faces;
 mod smooth_boundaries;
 mod soft;
 mod solid;
+mod solid_targets;
 mod springs;
 mod step_boundaries;
 mod steps;

@@ -107,7 +107,7 @@ pub struct ResistanceCommand {
     #[arg(long, value_enum, default_value_t = WeightArgument::Even)]
     weight: WeightArgument,
     /// Also compute the pressure with finite elements, on a meshed cavity that opens at these velocities (default: 1/4,
-    /// 1/2 and 1 times the highest velocity). Spherical cavities only.
+    /// 1/2 and 1 times the highest velocity).
     #[arg(long, value_name = "VELOCITIES", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
     measure: Option<Vec<f64>>,
     /// Write a picture of the pressures and the fitted law, .png or .svg.

@@ -135,6 +135,12 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                \x20     Johnson-Holmquist 2, 2002\n\
                \x20 float_glass_jh2.inp      ABQ_JH2_GLASS      not stated\n\
                \x20     Johnson-Holmquist 2, 1995\n\
+               \x20 aluminium_6016_t4_sheet.inp  AL6016_T4_SHEET  plastic strain to 1, quasi-static\n\
+               \x20     Hill, Habraken and others 2022, table\n\
+               \x20 steel_gtn.inp            STEEL_GTN          not stated\n\
+               \x20     Gurson, Reusch and others 2003; with failure\n\
+               \x20 porous_aluminium_palpha.inp  ALUMINIUM_POROUS  not stated\n\
+               \x20     P-alpha, Jutzi and others 2008; *EOS, no strength\n\
                docs/materials.md compares their stress-strain curves and says which constants were confirmed.\n",
     },
     HelpTopic {

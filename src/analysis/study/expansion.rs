@@ -1,5 +1,5 @@
-//! Finite-element computation of the pressure on an expanding spherical cavity: a deck with a wedge of a sphere whose
-//! cavity opens at a constant velocity.
+//! Finite-element computation of the pressure on an expanding cavity: a deck with a wedge of a sphere, or a layer of a cylinder,
+//! whose cavity opens at a constant velocity.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -99,7 +99,7 @@ pub fn measure(
     scale: TargetScale,
     velocities: &[f64],
 ) -> Result<Vec<MeasuredPressure>, StudyError> {
-    check(material, scale, velocities)?;
+    check(material, velocities)?;
     let pairs: Vec<(f64, f64)> = velocities.iter().flat_map(|&v| LEVELS.map(|step| (v, step))).collect();
     let run = |&(velocity, step): &(f64, f64)| run(material, scale, velocity, step);
     let runs: Vec<[f64; 2]> = pairs.par_iter().map(run).collect::<Result<_, _>>()?;
@@ -113,11 +113,8 @@ pub fn measure(
     Ok(velocities.iter().zip(runs.chunks(LEVELS.len())).filter_map(measured).collect())
 }
 
-fn check(material: &MeasuredMaterial, scale: TargetScale, velocities: &[f64]) -> Result<(), StudyError> {
+fn check(material: &MeasuredMaterial, velocities: &[f64]) -> Result<(), StudyError> {
     let wrong = |what: &str| Err(StudyError::Setting(format!("--measure: {what}")));
-    if scale.shape != CavityShape::Spherical {
-        return wrong("meshed cavities are spherical; omit --measure or --type cylindrical");
-    }
     if velocities.iter().any(|v| *v <= 0.0 || !v.is_finite()) {
         return wrong("velocities must be above zero");
     }
@@ -151,7 +148,7 @@ fn check(material: &MeasuredMaterial, scale: TargetScale, velocities: &[f64]) ->
 
 /// Runs one mesh; returns the pressure divided by the yield stress, and its drift.
 fn run(material: &MeasuredMaterial, scale: TargetScale, velocity: f64, step: f64) -> Result<[f64; 2], StudyError> {
-    let wedge = Wedge::new(material.wave_speed(scale.density), velocity, step);
+    let wedge = Wedge::new(scale.shape, material.wave_speed(scale.density), velocity, step);
     let prepared = material.prepared(&wedge.deck(&material.cards()))?;
     let mut history = RunHistory::of_rows(prepared.plan.column_names());
     if let Some(halt) = job::run_into(&prepared, &mut history).0.halt {
@@ -160,11 +157,13 @@ fn run(material: &MeasuredMaterial, scale: TargetScale, velocity: f64, step: f64
     Ok(wedge.pressure(&history).map(|p| p / scale.yield_stress))
 }
 
-/// Mesh of spherical shells between two rays; the first ray is on the equator, and the initial cavity radius is 1.
+/// Mesh of shells. Those of a sphere are between two rays, of which the first is on the equator; those of a cylinder between two
+/// planes at the distance 1. The initial cavity radius is 1.
 struct Wedge {
+    shape: CavityShape,
     velocity: f64,
     radii: Vec<f64>,
-    /// Cosine and sine of the second ray.
+    /// Cosine and sine of the second ray; of a cylinder the direction of all radii.
     ray: [f64; 2],
 }
 
@@ -172,14 +171,21 @@ impl Wedge {
     /// Creates shells whose radii have equal logarithmic steps at the time when the cavity radius is the square root of
     /// its final value: shells are then neither too thick at the start nor too thin at the end. The outer radius is so
     /// large that no wave returns from it before the end.
-    fn new(wave_speed: f64, velocity: f64, step: f64) -> Wedge {
+    fn new(shape: CavityShape, wave_speed: f64, velocity: f64, step: f64) -> Wedge {
         let outside = 0.6 * wave_speed * (RADIUS_RATIO - 1.0) / velocity + 2.0 * RADIUS_RATIO;
         let inside = RADIUS_RATIO.sqrt();
-        let radius =
-            |i: i32| (libm::pow(inside * (step * f64::from(i)).exp(), 3.0) - libm::pow(inside, 3.0) + 1.0).cbrt();
+        let power = shape.hoops() + 1.0;
+        let radius = |i: i32| {
+            let grown = libm::pow(inside * libm::exp(step * f64::from(i)), power) - libm::pow(inside, power) + 1.0;
+            if shape == CavityShape::Spherical { libm::cbrt(grown) } else { grown.sqrt() }
+        };
         let mut radii: Vec<f64> = (0..).map(radius).take_while(|r| *r < outside).collect();
         radii.push(outside);
-        Wedge { velocity, radii, ray: [libm::cos(2.0 * step), libm::sin(2.0 * step)] }
+        let ray = match shape {
+            CavityShape::Spherical => [libm::cos(2.0 * step), libm::sin(2.0 * step)],
+            CavityShape::Cylindrical => [1.0, 0.0],
+        };
+        Wedge { shape, velocity, radii, ray }
     }
 
     /// Writes the deck. All nodes move along their rays, the two nodes of a shell by the same distance. The pressure is
@@ -188,26 +194,29 @@ impl Wedge {
         let (n, [c, s], v) = (self.radii.len(), self.ray, self.velocity);
         let mut text = String::from("*Node\n");
         for (i, r) in self.radii.iter().enumerate() {
-            let _ = write!(text, " {}, {r:?}, 0.\n {}, {:?}, {:?}\n", i + 1, n + i + 1, r * c, r * s);
+            let height = if self.shape == CavityShape::Spherical { r * s } else { 1.0 };
+            let _ = write!(text, " {}, {r:?}, 0.\n {}, {:?}, {height:?}\n", i + 1, n + i + 1, r * c);
         }
         text += "*Element, type=CAX4R, elset=WEDGE\n";
         for i in 1..n {
             let _ = writeln!(text, " {i}, {i}, {}, {}, {}", i + 1, n + i + 1, n + i);
         }
         let _ = write!(text, "*Nset, nset=LOW, generate\n 2, {n}\n*Nset, nset=A\n 1,\n*Nset, nset=B\n {},\n", n + 1);
+        let _ = write!(text, "*Nset, nset=HIGH, generate\n {}, {}\n", n + 2, 2 * n);
         text += material;
         text += "*Equation\n";
         for i in 2..=n {
-            for (dof, part) in [(1, c), (2, s)] {
+            for (dof, part) in [(1, c), (2, s)].into_iter().filter(|(_, part)| *part != 0.0) {
                 let _ = writeln!(text, " 2\n {}, {dof}, 1., {i}, 1, {:?}", n + i, -part);
             }
         }
         let (a, b) = (v * c, v * s);
         let time = (RADIUS_RATIO - 1.0) / v;
+        let planes = if self.shape == CavityShape::Cylindrical { " HIGH, 2, 2\n" } else { "" };
         let _ = write!(
             text,
             "*Initial Conditions, type=VELOCITY\n A, 1, {v:?}\n B, 1, {a:?}\n B, 2, {b:?}\n*Step\n*Dynamic, Explicit\n , {time:?}\n\
-             *Boundary\n LOW, 2, 2\n*Boundary, type=VELOCITY\n A, 1, 1, {v:?}\n A, 2, 2, 0.\n B, 1, 1, {a:?}\n B, 2, 2, {b:?}\n\
+             *Boundary\n LOW, 2, 2\n{planes}*Boundary, type=VELOCITY\n A, 1, 1, {v:?}\n A, 2, 2, 0.\n B, 1, 1, {a:?}\n B, 2, 2, {b:?}\n\
              *Output, history, number interval=200\n*Node Output, nset=A\n RF1\n*Node Output, nset=B\n RF1, RF2\n*End Step\n"
         );
         text
@@ -224,8 +233,11 @@ impl Wedge {
         let half = libm::sqrt(0.5 * (1.0 - c));
         let pressure = |row: usize, [begin, end]: [f64; 2]| {
             let [a, b] = [begin, end].map(|time| 1.0 + self.velocity * time);
-            let squared_radius = (a * a + a * b + b * b) / 3.0;
             let force = history.cell(row, low) + c * history.cell(row, across) + s * history.cell(row, along);
+            if self.shape == CavityShape::Cylindrical {
+                return force / (PI * (a + b));
+            }
+            let squared_radius = (a * a + a * b + b * b) / 3.0;
             // The wall is a frustum: its chord is 2 a sin(angle/2) and its normal velocity V cos(angle/2).
             force / (PI * squared_radius * (1.0 + c) * 2.0 * half * libm::sqrt(1.0 - half * half))
         };

@@ -2,6 +2,7 @@
 //! DEPENDENT` of the same material. The computation is in `resistance`.
 
 use super::context::Context;
+use super::eos_law::eos_law;
 use super::families::{DerivationRequest, MaterialReader};
 use super::strength_law::{StrengthFault, strength_law};
 use super::types::{
@@ -9,7 +10,9 @@ use super::types::{
 };
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
+use crate::kernel::hardening::LinearTable;
 use crate::material::returns::drucker_prager::{DruckerPragerShape, YieldTest};
+use crate::material::returns::law::StressReturn;
 use crate::resistance::fit::FitWeight;
 use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
 use crate::resistance::{
@@ -92,9 +95,6 @@ pub fn expansion_target(
     if has_law(material) {
         return law_target(material, sizes).map(|target| Box::new(target) as Box<dyn ExpansionTarget>);
     }
-    if material.eos.is_some() {
-        return Err(unsupported(material, "an equation of state (*EOS)"));
-    }
     let target = TargetMaterial { shape: sizes.shape, ..target_of(material, sizes.radius, sizes.tension)? };
     let target = ScaledTarget::new(&target).map_err(|fault| of_material(material, &fault))?;
     Ok(Box::new(target))
@@ -105,9 +105,9 @@ fn of_material(material: &MaterialDefinition, fault: &ResistanceError) -> Diagno
     Diagnostic::error(fault.code(), message).at(material.span, "the material")
 }
 
-/// Returns whether the resistance follows from the law of the cards of strength.
+/// Returns whether the resistance follows from the law of the cards of strength or of an equation of state.
 pub fn has_law(material: &MaterialDefinition) -> bool {
-    material.has_strength_law() && strength_over_pressure(material).is_none()
+    material.eos.is_some() || material.has_strength_law() && strength_over_pressure(material).is_none()
 }
 
 /// Returns whether the strength depends on the strain rate.
@@ -119,7 +119,11 @@ fn law_target(material: &MaterialDefinition, sizes: &TargetSizes) -> Result<LawT
     let TargetSizes { shape, radius, tension, length } = *sizes;
     let needs_length = material.strength.takes_length();
     let refusals = [
-        (material.strength.potential.is_some(), "*POTENTIAL: it differs between directions"),
+        (
+            shape == CavityShape::Spherical && is_anisotropic(material),
+            "*POTENTIAL around a sphere: the axes r, z and hoop are not radial there, so that the stress depends on the direction. \
+             Derive the resistance of a hole along the axis of the target (TYPE=CYLINDRICAL), or mesh the target",
+        ),
         (tension.is_some(), "its law together with a tensile strength: the law has its own"),
         (
             radius.is_some() && !depends_on_rate(material),
@@ -133,15 +137,43 @@ fn law_target(material: &MaterialDefinition, sizes: &TargetSizes) -> Result<LawT
     }
     let Some(density) = material.density else { return Err(missing(material, "DENSITY")) };
     let length = length.unwrap_or(1.0);
-    let law = strength_law(material, length).map_err(|StrengthFault { message, span, .. }| {
-        Diagnostic::error("M104", format!("material {}: {message}", material.name)).at(span, "this card")
-    })?;
-    let law = law.law;
-    let yield_stress = match linear_strength(material) {
-        Some(strength) => strength.cohesion,
-        None => LawTarget::compressive_strength(&*law, length).map_err(|fault| of_material(material, &fault))?,
+    let (law, yield_stress) = if material.eos.is_some() {
+        let (law, yield_stress) = eos_target(material)?;
+        (law, Some(yield_stress))
+    } else {
+        let law = strength_law(material, length).map_err(|fault| of_card(material, fault))?;
+        (law.law, linear_strength(material).map(|strength| strength.cohesion))
     };
+    let strength = |law: &dyn StressReturn| {
+        LawTarget::compressive_strength(law, length).map_err(|fault| of_material(material, &fault))
+    };
+    let yield_stress = yield_stress.map_or_else(|| strength(&*law), Ok)?;
     Ok(LawTarget { law, shape, density, radius, length, yield_stress })
+}
+
+/// Returns the law of a solid with an equation of state, and its first yield stress.
+fn eos_target(material: &MaterialDefinition) -> Result<(Box<dyn StressReturn>, f64), Diagnostic> {
+    let plastic = material.plastic.as_ref().ok_or_else(|| missing(material, "PLASTIC"))?;
+    let YieldCurve::Table { mut rows, extrapolates } = curve(plastic, material)? else {
+        return Err(unsupported(material, "a yield stress without a table"));
+    };
+    let yield_stress = rows[0][0];
+    if let ([.., a, b], true) = (&rows[..], extrapolates) {
+        let slope = (b[0] - a[0]) / (b[1] - a[1]);
+        rows.push([b[0] + slope * STRAINS[1], b[1] + STRAINS[1]]);
+    }
+    let law = eos_law(material, LinearTable { rows }).map_err(|fault| of_card(material, fault))?;
+    Ok((Box::new(law), yield_stress))
+}
+
+fn of_card(material: &MaterialDefinition, StrengthFault { message, span, .. }: StrengthFault) -> Diagnostic {
+    Diagnostic::error("M104", format!("material {}: {message}", material.name)).at(span, "this card")
+}
+
+/// Returns whether the yield stress depends on the direction.
+fn is_anisotropic(material: &MaterialDefinition) -> bool {
+    let ratios = material.strength.potential.as_ref().map(|(card, _)| card.ratios);
+    ratios.is_some_and(|[first, rest @ ..]| rest[..3].iter().any(|ratio| *ratio != first))
 }
 
 fn missing(material: &MaterialDefinition, card: &str) -> Diagnostic {

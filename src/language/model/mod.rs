@@ -29,6 +29,7 @@ mod element_nodes;
 mod element_words;
 mod elements;
 mod eos;
+mod eos_law;
 mod equations;
 mod erosion;
 mod expressions;

@@ -79,11 +79,17 @@ impl LinearTable {
 }
 
 impl TableLine<'_> {
+    /// Returns whether the value at an abscissa is on the line.
+    #[inline]
+    pub fn holds_at(&self, abscissa: f64) -> bool {
+        let [start, end] = self.range;
+        abscissa >= start && abscissa <= end
+    }
+
     /// Returns the value of the table at any abscissa.
     #[inline]
     pub fn at(&self, abscissa: f64) -> f64 {
-        let [start, end] = self.range;
-        if abscissa >= start && abscissa <= end {
+        if self.holds_at(abscissa) {
             self.value + self.slope * (abscissa - self.from)
         } else {
             self.table.value(abscissa)
@@ -168,6 +174,11 @@ pub enum RateFactor {
 }
 
 impl RateFactor {
+    /// Returns whether the factor is 1 at any rate.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, RateFactor::JohnsonCook { c, .. } if *c == 0.0)
+    }
+
     /// Returns the factor at a rate of equivalent plastic strain and a temperature (ABAQUS Analysis User's Guide
     /// 23.2.3, "Rate-dependent yield").
     pub fn at(&self, rate: f64, temperature: f64) -> f64 {

@@ -36,6 +36,15 @@ pub struct DistensionState {
     current: Lanes,
 }
 
+/// Distensions of a point.
+#[derive(Clone, Copy, Debug)]
+pub struct PointDistension {
+    /// Smallest distension on the crush curve so far.
+    pub smallest: f64,
+    /// Current distension.
+    pub current: f64,
+}
+
 impl DistensionState {
     /// Returns the current distension of a lane.
     pub(super) fn current(&self, lane: usize) -> f64 {
@@ -78,8 +87,26 @@ impl PorousCompaction {
     }
 
     pub(super) fn start(&self) -> DistensionState {
-        let [start, elastic] = self.distensions;
-        DistensionState { smallest: [elastic; LANES], current: [start; LANES] }
+        let PointDistension { smallest, current } = self.start_of_point();
+        DistensionState { smallest: [smallest; LANES], current: [current; LANES] }
+    }
+
+    /// Returns the distensions of a point at the start.
+    pub fn start_of_point(&self) -> PointDistension {
+        let [current, smallest] = self.distensions;
+        PointDistension { smallest, current }
+    }
+
+    /// Returns the bulk modulus at the start, on the chord to the distension at which compaction begins. Equation (7.16).
+    pub fn initial_bulk_modulus(&self) -> f64 {
+        let start = self.start_of_point();
+        let fixed = self.stiffness(1.0 / self.initial_density(), start.current);
+        fixed / (1.0 - fixed / start.current * self.path(start.smallest).slope)
+    }
+
+    /// Returns the specific volume at zero pressure and energy, with a smallest distension so far.
+    pub fn unloaded_volume(&self, smallest: f64) -> f64 {
+        self.distension(self.path(smallest), 0.0) / self.solid.density
     }
 
     /// Returns the elastic slope d(alpha)/dp at a distension. Equation (7.15).
@@ -167,28 +194,42 @@ impl PorousCompaction {
         EosLine { cold: pressure(distension), per_energy: 0.0, cold_slope: 0.0, energy_slope: 0.0 }
     }
 
-    /// Updates pressures, energies and distensions of a block. Equation (7.16).
+    /// Updates pressures, energies and distensions of a block.
     pub(super) fn advance_block(&self, state: &mut DistensionState, energy: &mut Lanes, update: &mut PressureUpdate) {
         for l in 0..LANES {
-            let volume = specific_volume(update, l);
-            let path = self.path(state.smallest[l]);
-            let pressure = |distension: f64| {
-                let line = self.line(volume, distension);
-                line.cold + line.per_energy * advance_energy(update, l, line, energy[l], 0.0)
-            };
-            let current = state.current[l];
-            let distension = self.solve(path, current, self.stiffness(volume, current), pressure);
-            energy[l] = advance(update, l, self.line(volume, distension), energy[l], [0.0, self.solid.floor()]);
-            let pressure = -update.mean[l];
-            state.current[l] = distension;
-            if pressure > path.meeting[0] {
-                state.smallest[l] = distension;
-            }
-            // The elastic change of the distension makes the material softer than at a fixed distension.
-            let slope = self.path(state.smallest[l]).slope;
-            let softer = 1.0 - (update.bulk[l] - pressure) / distension * slope;
-            update.bulk[l] /= if softer > 1.0 { softer } else { 1.0 };
+            let mut distension = PointDistension { smallest: state.smallest[l], current: state.current[l] };
+            energy[l] = self.advance_lane(&mut distension, energy[l], update, l);
+            (state.smallest[l], state.current[l]) = (distension.smallest, distension.current);
         }
+    }
+
+    /// Updates pressure and distensions of a lane; returns its energy. Equation (7.16).
+    pub(super) fn advance_lane(
+        &self,
+        state: &mut PointDistension,
+        energy: f64,
+        update: &mut PressureUpdate,
+        l: usize,
+    ) -> f64 {
+        let volume = specific_volume(update, l);
+        let path = self.path(state.smallest);
+        let pressure = |distension: f64| {
+            let line = self.line(volume, distension);
+            line.cold + line.per_energy * advance_energy(update, l, line, energy, 0.0)
+        };
+        let stiffness = self.stiffness(volume, state.current);
+        let distension = self.solve(path, state.current, stiffness, pressure);
+        let energy = advance(update, l, self.line(volume, distension), energy, [0.0, self.solid.floor()]);
+        let pressure = -update.mean[l];
+        state.current = distension;
+        if pressure > path.meeting[0] {
+            state.smallest = distension;
+        }
+        // The elastic change of the distension makes the material softer than at a fixed distension.
+        let slope = self.path(state.smallest).slope;
+        let softer = 1.0 - (update.bulk[l] - pressure) / distension * slope;
+        update.bulk[l] /= if softer > 1.0 { softer } else { 1.0 };
+        energy
     }
 }
 

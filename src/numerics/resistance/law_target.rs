@@ -10,6 +10,7 @@
 use super::ResistanceError;
 use super::derive::{ExpansionTarget, PressureOfVelocity, TargetScale};
 use super::root;
+use super::shock_wave::shocked_point;
 use super::similarity::CavityPressure;
 use super::target::CavityShape;
 use crate::material::returns::law::StressReturn;
@@ -41,6 +42,14 @@ const VELOCITY_TOLERANCE: f64 = 1e-7;
 const WIDEST_JUMP: f64 = 0.05;
 /// Shortest step of the logarithm of the amplitude.
 const SHORTEST: f64 = 0.02;
+/// Velocity of the slowest front that is a shock from rest, over the speed of elastic waves; factor of the next one, and the
+/// largest.
+const SLOWEST_SHOCK: f64 = 1.001;
+const FASTER_SHOCK: f64 = 1.25;
+const FASTEST_SHOCK: f64 = 100.0;
+/// Largest relative difference of the velocities between which results are interpolated where the front is almost as fast as
+/// elastic waves: the pressure is almost quadratic, which leaves 0.6 %.
+const WIDEST_GAP: f64 = 0.15;
 /// Increment and end of the uniaxial compression that gives the reference stress.
 const COMPRESSION_INCREMENT: f64 = 2e-5;
 const COMPRESSION_END: f64 = 0.05;
@@ -99,6 +108,15 @@ struct Expansion {
     plastic: f64,
 }
 
+impl Expansion {
+    /// Returns the expansion at a velocity of the wall between this one and another.
+    fn towards(&self, fast: &Expansion, velocity: f64) -> Expansion {
+        let share = (velocity - self.cavity) / (fast.cavity - self.cavity);
+        let value = |of: fn(&Expansion) -> f64| of(self) + share * (of(fast) - of(self));
+        Expansion { cavity: velocity, stress: value(|end| end.stress), plastic: value(|end| end.plastic) }
+    }
+}
+
 /// How an expansion is integrated.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
@@ -155,6 +173,42 @@ impl LawTarget {
         Ok(CavityPressure { velocity, stress, plastic: end.plastic, cracked: None })
     }
 
+    /// Returns the expansion with a shock from rest whose wall moves at a velocity over the wave speed; `slow` is the fastest
+    /// expansion with an elastic wave. Between both, the front is almost as fast as the wave, and results are interpolated.
+    fn shocked(&self, velocity: f64, slow: Expansion, motion: Motion) -> Result<Expansion, ResistanceError> {
+        let too_fast = |fastest: Expansion| {
+            let [velocity, fastest] = [velocity, fastest.cavity].map(|share| share * self.wave_speed());
+            ResistanceError::Fast { velocity, fastest }
+        };
+        let excess = |place: f64| self.shocked_expansion(place, motion).map(|end| libm::log(end.cavity / velocity));
+        let first = self.shocked_expansion(SLOWEST_SHOCK, motion).ok_or_else(|| too_fast(slow))?;
+        if first.cavity >= velocity {
+            return if first.cavity < (1.0 + WIDEST_GAP) * slow.cavity {
+                Ok(slow.towards(&first, velocity))
+            } else {
+                Err(too_fast(slow))
+            };
+        }
+        let mut low = SLOWEST_SHOCK;
+        let mut high = low * FASTER_SHOCK;
+        let mut at_high = excess(high);
+        while at_high.is_some_and(|value| value < 0.0) && high < FASTEST_SHOCK {
+            (low, high) = (high, high * FASTER_SHOCK);
+            at_high = excess(high);
+        }
+        let [below, above] = root::bracketed(excess, [(low, excess(low)), (high, at_high)], VELOCITY_TOLERANCE);
+        let end = self.shocked_expansion(below, motion).ok_or_else(|| too_fast(first))?;
+        if below == above { Ok(end) } else { Err(too_fast(end)) }
+    }
+
+    /// Returns the expansion behind a shock from rest whose front has `place` times the speed of elastic waves; `None` without
+    /// such a shock.
+    fn shocked_expansion(&self, place: f64, motion: Motion) -> Option<Expansion> {
+        let (path, strain) = shocked_point(&*self.law, self.length, place)?;
+        let point = SimilarPoint { path, stretches: [libm::exp(strain), 1.0], tau: -libm::log(place) };
+        self.wall(point, f64::NAN, motion).ok()
+    }
+
     /// Returns the expansion whose wall moves at a velocity over the wave speed. The velocity increases with the amplitude of
     /// the elastic wave, almost as a power.
     fn opened(&self, velocity: f64, motion: Motion) -> Result<Expansion, ResistanceError> {
@@ -192,23 +246,26 @@ impl LawTarget {
         let [slow, fast] = ends.map(|log_amplitude| self.expansion(libm::exp(log_amplitude), motion));
         let slow = slow?;
         let fast = fast.ok().filter(|fast| fast.cavity < (1.0 + WIDEST_JUMP) * slow.cavity && fast.cavity >= velocity);
-        let Some(fast) = fast else {
-            let [velocity, fastest] = [velocity, slow.cavity].map(|share| share * self.wave_speed());
-            return Err(ResistanceError::Fast { velocity, fastest });
-        };
-        let share = (velocity - slow.cavity) / (fast.cavity - slow.cavity);
-        let value = |of: fn(&Expansion) -> f64| of(&slow) + share * (of(&fast) - of(&slow));
-        Ok(Expansion { cavity: velocity, stress: value(|end| end.stress), plastic: value(|end| end.plastic) })
+        match fast {
+            Some(fast) => Ok(slow.towards(&fast, velocity)),
+            None => self.shocked(velocity, slow, motion),
+        }
     }
 
     /// Integrates from the elastic wave of an amplitude to the wall.
     fn expansion(&self, amplitude: f64, motion: Motion) -> Result<Expansion, ResistanceError> {
-        let mut point = self.first_point(amplitude);
-        let mut plastic = None;
-        let modulus = self.modulus();
+        let point = self.first_point(amplitude);
         // The increment of the elastic wave in the first step.
         let second = self.wave(amplitude, libm::exp(-point.tau - motion.step));
-        let mut guess = libm::log(second[0] / point.stretches[0]);
+        let guess = libm::log(second[0] / point.stretches[0]);
+        self.wall(point, guess, motion)
+    }
+
+    /// Integrates from a point to the wall, with a guess of the logarithm of the change of the radial stretch in the first step.
+    fn wall(&self, first: SimilarPoint<'_>, guess: f64, motion: Motion) -> Result<Expansion, ResistanceError> {
+        let (mut point, mut guess) = (first, guess);
+        let modulus = self.modulus();
+        let mut plastic = point.path.is_flowing.then(|| point.stretches[1] * libm::exp(-point.tau));
         for _ in 0..STEPS {
             let before = point.stretches[0];
             point = self.next(&point, guess, modulus, motion).ok_or_else(|| {
@@ -296,7 +353,12 @@ impl LawTarget {
         let first = balance(0.0);
         let (side, limit) = if first > 0.0 { (1.0, COMPRESSION_LIMIT) } else { (-1.0, EXTENSION_LIMIT) };
         let start = Start { start: 0.0, first: first.abs(), guess };
-        nearby_root(start, limit, BALANCE, |increment| side * balance(increment)).map(after)
+        // An equation of state has no state beyond its largest compression, where the stress is infinite.
+        let bounded = |increment: f64| {
+            let value = side * balance(increment);
+            if value.is_nan() && side > 0.0 { -1.0 } else { value }
+        };
+        nearby_root(start, limit, BALANCE, bounded).map(after).filter(|point| point.path.stress[0].is_finite())
     }
 }
 

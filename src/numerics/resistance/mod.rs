@@ -12,6 +12,7 @@ pub mod law_target;
 mod overstress;
 pub mod rate;
 mod root;
+mod shock_wave;
 pub mod similarity;
 pub mod target;
 

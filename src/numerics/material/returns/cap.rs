@@ -2,8 +2,8 @@
 //! von Mises stress q as the measure of the deviator (K = 1).
 
 use super::law::{ReturnPoint, StressReturn};
-use super::root::{Start, nearby_root};
-use crate::kernel::hardening::LinearTable;
+use super::root::{Start, nearby_state};
+use crate::kernel::hardening::{LinearTable, TableLine};
 use crate::kernel::moduli::ElasticModuli;
 use crate::variables::{Variable, VariableComponent};
 
@@ -117,8 +117,13 @@ impl CapPlasticity {
     }
 
     /// Returns the pressure p = `factor` pb + `offset` at which the compaction is that of the elastic path, exactly.
-    fn pressure_of(&self, trial: f64, compaction_before: f64, factor: f64, offset: f64) -> f64 {
+    fn pressure_of(&self, trial: f64, (compaction_before, line): (f64, TableLine<'_>), factor: f64, offset: f64) -> f64 {
         let bulk = self.moduli.bulk;
+        // On the line of the table around the compaction before, if the end is there.
+        let near = (factor * (line.value + line.slope * trial / bulk) + offset) / (1.0 + factor * line.slope / bulk);
+        if line.holds_at(compaction_before + (trial - near) / bulk) {
+            return near;
+        }
         let surface = |row: [f64; 2]| factor * row[0] + offset;
         // How far the elastic path is above the surface when the compaction is that of a row.
         let excess = |row: [f64; 2]| trial - bulk * (row[1] - compaction_before) - surface(row);
@@ -181,16 +186,17 @@ impl StressReturn for CapPlasticity {
             shape.at(pressure, hardening.at(compaction_before + (trial.pressure - pressure) * per_bulk))
         };
         let mismatch = |pressure: f64| {
-            let CapPoint { mises, slope, .. } = surface(pressure);
-            3.0 * shear * (trial.pressure - pressure) * mises - bulk * (trial.mises - mises) * slope
+            let end = surface(pressure);
+            let CapPoint { mises, slope, .. } = end;
+            (3.0 * shear * (trial.pressure - pressure) * mises - bulk * (trial.mises - mises) * slope, end)
         };
-        let centre = self.pressure_of(trial.pressure, compaction_before, shape.centre[1], shape.centre[0]);
+        let centre = self.pressure_of(trial.pressure, (compaction_before, hardening), shape.centre[1], shape.centre[0]);
         let size = trial.mises + trial.pressure.abs() + yield_before;
         let tolerance = 1e-9 * (bulk + shear) * size * size;
         // Positive mismatch: flow to lower pressure is too weak. No flow changes the volume at the centre of the cap.
         let compacts = trial.pressure > centre;
         let start = if compacts {
-            self.pressure_of(trial.pressure, compaction_before, 1.0, 0.0).min(trial.pressure)
+            self.pressure_of(trial.pressure, (compaction_before, hardening), 1.0, 0.0).min(trial.pressure)
         } else {
             trial.pressure.max(self.apex())
         };
@@ -199,9 +205,18 @@ impl StressReturn for CapPlasticity {
         let ratio = bulk * at_trial.slope / (3.0 * shear * at_trial.mises);
         let rise = if at_trial.surface == Surface::Failure { self.friction } else { -at_trial.slope / at_trial.mises };
         let guess = trial.pressure - ratio * (trial.mises - at_trial.mises) / (1.0 - rise * ratio);
-        let start = Start { start, first: sign * mismatch(start), guess };
-        let pressure = nearby_root(start, centre, tolerance, |pressure| sign * mismatch(pressure)).unwrap_or(centre);
-        let end = surface(pressure);
+        let first = if start == trial.pressure {
+            bulk * (at_trial.mises - trial.mises) * at_trial.slope
+        } else {
+            mismatch(start).0
+        };
+        let start = Start { start, first: sign * first, guess };
+        let outside = |pressure: f64| {
+            let (value, end) = mismatch(pressure);
+            (sign * value, end)
+        };
+        let (pressure, end) =
+            nearby_state(start, centre, tolerance, outside).unwrap_or_else(|| (centre, surface(centre)));
         let mises = end.mises.min(trial.mises);
         let strain = (trial.mises - mises) / (3.0 * shear);
         point.state[STRAIN] += strain;

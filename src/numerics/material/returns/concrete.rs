@@ -132,7 +132,7 @@ impl StressReturn for ConcreteDamagedPlasticity {
         let start = [point.state[COMPRESSION_STRAIN], point.state[TENSION_STRAIN]];
         let sides = [&self.compression, &self.tension];
         let tables = [0, 1].inline_map(|side: usize| sides[side].line(start[side], sides[side].scale(point.length)));
-        let start_strengths = tables.inline_map(|table| table.effective);
+        let start_strengths = [tables[0].effective, tables[1].effective];
         let outside = self.surface.value([trial.pressure, trial.mises, deviator[2] - trial.pressure], start_strengths);
         let mut stresses = deviator.inline_map(|value| value - trial.pressure);
         let [mut pressure, mut share] = [trial.pressure, 1.0];
@@ -140,7 +140,7 @@ impl StressReturn for ConcreteDamagedPlasticity {
         if outside > 1e-11 * start_strengths[0] {
             let dilatancy = self.dilatancy.max(SMALLEST_DILATANCY);
             let mut path = ConcretePath {
-                tables,
+                tables: &tables,
                 bulk: self.moduli.bulk,
                 per_shear: 1.0 / self.moduli.shear,
                 surface: self.surface,

@@ -2,12 +2,13 @@
 
 use super::concrete_tables::{ConcreteLine, ConcreteStrength};
 use super::law::TrialStress;
-use super::root::{Start, nearby_root};
+use super::root::{Start, nearby_state};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::stress::principal;
 
 /// Returns the share of tension r of principal stresses, between 0 and 1; 0 without stress (Lee and Fenves 1998).
 /// Equation (20.16).
+#[inline(always)] // Into the return of each point.
 pub fn tension_share(principal: [f64; 3]) -> f64 {
     if principal[2] <= 0.0 {
         return 0.0;
@@ -41,7 +42,7 @@ impl ConcreteSurface {
 
     /// Returns `(q - 3 A p + B <s> - C <-s>)/(1 - A) - sc` with `B = sc/st (1 - A) - (1 + A)`, from pressure p, von Mises
     /// stress q, largest principal stress s, and strengths sc and st (Lubliner and others 1989). Equation (20.14).
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     pub fn value(self, [pressure, mises, largest]: [f64; 3], [compression, tension]: [f64; 2]) -> f64 {
         let ConcreteSurface { pressure: a, meridian: c, scale } = self;
         let factor = if largest > 0.0 { -1.0 - a } else { c };
@@ -67,7 +68,7 @@ pub struct ConcreteState {
 /// stress alone, so that the deviator keeps its direction.
 pub struct ConcretePath<'a> {
     /// Tables of compression and tension around the equivalent plastic strains at the start of the increment.
-    pub tables: [ConcreteLine<'a>; 2],
+    pub tables: &'a [ConcreteLine<'a>; 2],
     /// Bulk modulus without damage, stress.
     pub bulk: f64,
     /// One over the shear modulus without damage.
@@ -95,7 +96,7 @@ pub struct ConcretePath<'a> {
 impl ConcretePath<'_> {
     /// Returns the state after the flow 3 G dl/sqrt(l0² + q²) = q_trial/q - 1 with the plastic multiplier dl.
     /// Equations (20.15), (20.16).
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     pub fn state(&self, flow: f64) -> ConcreteState {
         let half = 0.5 * self.per_shear;
         let share = 1.0 / (1.0 + flow);
@@ -114,17 +115,22 @@ impl ConcretePath<'_> {
     }
 
     /// Returns strength and damage in compression (0) or tension (1). The rate is that of the increment up to the state.
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     pub fn strength(&self, state: &ConcreteState, side: usize) -> ConcreteStrength {
         let change = state.strains[side];
         self.tables[side].at(self.start[side] + change, change * self.per_dt)
     }
 
     /// Returns the yield function at a state.
+    #[inline(always)] // Into the return of each point.
     pub fn outside(&self, state: &ConcreteState) -> f64 {
         let strengths = [0, 1].inline_map(|side| {
-            let changes = state.strains[side] > 0.0;
-            if changes { self.strength(state, side).effective } else { self.start_strengths[side] }
+            let change = state.strains[side];
+            if change > 0.0 {
+                self.tables[side].effective_at(self.start[side] + change, change * self.per_dt)
+            } else {
+                self.start_strengths[side]
+            }
         });
         self.surface.value([state.pressure, state.share * self.trial.mises, state.principal[2]], strengths)
     }
@@ -132,12 +138,12 @@ impl ConcretePath<'_> {
     /// Sets the share of tension at the start of the plastic flow, from the effective stress at the start of the increment
     /// and the value of the yield function at the trial.
     pub fn start_flow(&mut self, stress: [f64; 4], outside: f64) {
-        let from = TrialStress::of(stress);
         let values = principal(stress);
         let elastic = self.deviator.inline_map(|value| value - self.trial.pressure);
         if tension_share(values) == tension_share(elastic) {
             return;
         }
+        let from = TrialStress::of(stress);
         // Secant of the yield function along the elastic path.
         let inside = self.surface.value([from.pressure, from.mises, values[2]], self.start_strengths).min(0.0);
         let part = inside / (inside - outside);
@@ -165,7 +171,7 @@ impl ConcretePath<'_> {
         let strain = |deviator: f64| 0.5 * self.per_shear * deviator + dilation / 3.0;
         let [compression, tension] =
             [-(1.0 - share) * strain(self.deviator[0]), share * strain(self.deviator[2])].inline_map(|x| x.max(0.0));
-        let [harder, tougher] = self.tables.inline_map(|table| table.slope());
+        let [harder, tougher] = [self.tables[0].slope(), self.tables[1].slope()];
         let ratio = if largest > 0.0 { largest / self.start_strengths[1] } else { 0.0 };
         let hardening = (1.0 - ratio) * harder * compression + ratio * steep * tougher * tension;
         let perfect = (mises + 3.0 * a * rise + factor * fall) * scale + steep * fall;
@@ -179,9 +185,12 @@ impl ConcretePath<'_> {
     pub fn end(&self, first: f64) -> ConcreteState {
         let size = self.start_strengths[0] + self.trial.pressure.abs() + self.trial.mises;
         let start = Start { start: 0.0, first, guess: self.first_flow(first) };
-        let flow = nearby_root(start, f64::INFINITY, 1e-10 * size, |flow| self.outside(&self.state(flow)));
+        let outside = |flow: f64| {
+            let state = self.state(flow);
+            (self.outside(&state), state)
+        };
         // Without a root the trial is not finite, and neither is the result.
-        self.state(flow.unwrap_or(f64::NAN))
+        nearby_state(start, f64::INFINITY, 1e-10 * size, outside).map_or_else(|| self.state(f64::NAN), |(_, state)| state)
     }
 }
 

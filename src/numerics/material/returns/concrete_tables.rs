@@ -210,7 +210,7 @@ impl ConcreteTable {
 
 impl ConcreteLine<'_> {
     /// Returns the values at a plastic strain and its rate, like [`ConcreteTable::strength`].
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     pub fn at(&self, plastic: f64, rate: f64) -> ConcreteStrength {
         let [start, end] = self.range;
         if plastic >= start && plastic <= end {
@@ -219,6 +219,18 @@ impl ConcreteLine<'_> {
             return ConcreteStrength { effective: stress / (1.0 - damage), damage, inelastic: plastic + elastic };
         }
         self.table.strength(plastic, rate, self.scale)
+    }
+
+    /// Returns the effective strength of [`ConcreteLine::at`].
+    #[inline(always)] // Into the return of each point.
+    pub fn effective_at(&self, plastic: f64, rate: f64) -> f64 {
+        let [start, end] = self.range;
+        if plastic >= start && plastic <= end {
+            let distance = plastic - self.from;
+            let [stress, damage] = [self.stress, self.damage].inline_map(|[value, slope]| value + slope * distance);
+            return stress / (1.0 - damage);
+        }
+        self.table.strength(plastic, rate, self.scale).effective
     }
 
     /// Returns the slope of the effective strength over the plastic strain at rest.

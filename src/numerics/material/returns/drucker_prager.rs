@@ -1,7 +1,7 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
 use super::law::{ReturnPoint, StressReturn, TrialStress, contraction, determinant};
-use super::root::{Start, nearby_root};
+use super::root::{Start, nearby_root, nearby_state};
 use crate::kernel::hardening::{LinearTable, RateFactor, TableLine};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
@@ -51,6 +51,7 @@ impl YieldTest {
     pub const ALL: [YieldTest; 3] = [YieldTest::Compression, YieldTest::Tension, YieldTest::Shear];
 
     /// Returns the invariants of the test for a stress.
+    #[inline(always)] // Into the return of each point.
     fn invariants(self, stress: f64) -> Invariants {
         match self {
             YieldTest::Compression => Invariants { pressure: stress / 3.0, mises: stress, third: -1.0 },
@@ -79,6 +80,7 @@ impl Invariants {
     }
 
     /// Returns the measure t of the deviator. Equation (20.5).
+    #[inline(always)] // Into the return of each point.
     fn measure(self, ratio: f64) -> f64 {
         if ratio == 1.0 {
             return self.mises;
@@ -95,6 +97,7 @@ impl DruckerPragerShape {
 
     /// Returns the part of the yield function that depends on the stress; it equals [`Self::strength`] on the surface.
     /// Equation (20.4).
+    #[inline(always)] // Into the return of each point.
     fn measure(self, stress: Invariants) -> f64 {
         let Invariants { pressure, mises, .. } = stress;
         match self {
@@ -108,6 +111,7 @@ impl DruckerPragerShape {
 
     /// Returns the derivatives of [`Self::measure`] by the von Mises stress and, negative, by the pressure, of the forms without
     /// third invariant.
+    #[inline(always)] // Into the return of each point.
     fn slopes(self, mises: f64) -> [f64; 2] {
         match self {
             DruckerPragerShape::Linear { friction, .. } => [1.0, friction],
@@ -163,6 +167,8 @@ struct ReturnIncrement<'a> {
     /// Hardening near that strain, and the strength there without flow.
     hardening: TableLine<'a>,
     strength_before: f64,
+    /// Invariants of the test with a stress of 1.
+    test: Invariants,
     per_dt: f64,
     /// Direction of the deviatoric flow of the linear form.
     direction: [f64; 4],
@@ -230,6 +236,7 @@ impl<'a> ReturnIncrement<'a> {
             strain_before,
             hardening,
             strength_before,
+            test: law.test.invariants(1.0),
             per_dt,
             direction,
             per_multiplier,
@@ -268,7 +275,7 @@ impl<'a> ReturnIncrement<'a> {
     }
 
     /// Returns the state of the linear form after flow with a plastic multiplier. Equation (20.8).
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     fn after(&self, multiplier: f64) -> PathState {
         let ReturnIncrement { law, trial, .. } = self;
         let pressure = trial.pressure + law.moduli.bulk * law.dilatancy * multiplier;
@@ -281,7 +288,7 @@ impl<'a> ReturnIncrement<'a> {
     }
 
     /// Returns the state of the other forms with a von Mises stress. Equation (20.8).
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     fn with_mises(&self, mises: f64) -> PathState {
         let ReturnIncrement { law, trial, .. } = self;
         let potential = self.potential(mises);
@@ -294,12 +301,13 @@ impl<'a> ReturnIncrement<'a> {
     }
 
     /// Returns sqrt(l0² + q²), the flow potential without the pressure, of the smooth forms.
+    #[inline(always)] // Into the return of each point.
     fn potential(&self, mises: f64) -> f64 {
         (self.rounding * self.rounding + mises * mises).sqrt()
     }
 
     /// Returns the increment of the equivalent plastic strain for a plastic work. Equation (20.9).
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     fn strain_of_work(&self, work: f64) -> f64 {
         // Work over the yield stress in the middle of the increment.
         let estimate = work.max(0.0) / self.hardening.value;
@@ -308,19 +316,24 @@ impl<'a> ReturnIncrement<'a> {
     }
 
     /// Returns the yield function at a state.
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     fn outside(&self, state: PathState) -> f64 {
         state.measure - self.strength(state.hardening)
     }
 
     /// Returns the strength after a hardening increment.
-    #[inline]
+    #[inline(always)] // Into the return of each point.
     fn strength(&self, hardening: f64) -> f64 {
         let yield_stress = self.hardening.at(self.strain_before + hardening);
+        let stress = |factor: f64| {
+            let size = factor * yield_stress;
+            let Invariants { pressure, mises, third } = self.test;
+            self.law.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third })
+        };
         match &self.law.rate {
             None if yield_stress == self.hardening.value => self.strength_before,
-            None => self.law.shape.strength(self.law.test, yield_stress),
-            Some(rate) => self.law.shape.strength(self.law.test, rate.at(hardening * self.per_dt, 0.0) * yield_stress),
+            None => stress(1.0),
+            Some(rate) => stress(rate.at(hardening * self.per_dt, 0.0)),
         }
     }
 
@@ -341,9 +354,12 @@ impl<'a> ReturnIncrement<'a> {
             let longest = trial.mises * trial.mises / (3.0 * shear * measure);
             let guess = if slope > 0.0 { first / slope } else { f64::NAN };
             let start = Start { start: 0.0, first, guess };
-            let outside = |multiplier: f64| self.outside(self.after(multiplier));
-            let multiplier = nearby_root(start, longest, tolerance, outside)?;
-            return Some((self.after(multiplier), self.linear_deviator(multiplier)));
+            let outside = |multiplier: f64| {
+                let state = self.after(multiplier);
+                (self.outside(state), state)
+            };
+            let (multiplier, state) = nearby_state(start, longest, tolerance, outside)?;
+            return Some((state, self.linear_deviator(multiplier)));
         }
         let q = trial.mises;
         let [by_mises, by_pressure] = law.shape.slopes(q);
@@ -355,9 +371,13 @@ impl<'a> ReturnIncrement<'a> {
         let slope = perfect + self.slope_of_strength() * strain.max(0.0);
         let start = Start { start: q, first, guess: q - first / slope.max(0.1 * perfect) };
         // The smooth potential reaches all pressures before the von Mises stress vanishes.
-        let outside = |mises: f64| self.outside(self.with_mises(mises));
-        let mises = nearby_root(start, 1e-12 * q, tolerance, outside)?;
-        Some((self.with_mises(mises), trial.deviator.inline_map(|part| mises / q * part)))
+        let outside = |mises: f64| {
+            let state = self.with_mises(mises);
+            (self.outside(state), state)
+        };
+        let (mises, state) = nearby_state(start, 1e-12 * q, tolerance, outside)?;
+        let share = mises / q;
+        Some((state, trial.deviator.inline_map(|part| share * part)))
     }
 
     /// Returns the slope of the strength over the equivalent plastic strain, from that over the yield stress.

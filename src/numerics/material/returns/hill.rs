@@ -2,7 +2,7 @@
 //! yield/creep"), with isotropic hardening. The axes r, z, hoop of the material turn with it.
 
 use super::law::{ReturnPoint, StressReturn};
-use super::root::{Start, nearby_root};
+use super::root::{Start, nearby_state};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
@@ -111,8 +111,10 @@ impl StressReturn for HillPotential {
         let strain = |flow: f64, equivalent: f64| flow * equivalent / double_shear;
         // Nearly linear in the flow, also for large increments.
         let outside = |flow: f64| {
-            let equivalent = self.equivalent(self.reduced(trial, flow));
-            1.0 - hardening.at(strain_before + strain(flow, equivalent)) / equivalent
+            let end = self.reduced(trial, flow);
+            let equivalent = self.equivalent(end);
+            let strain_after = strain_before + strain(flow, equivalent);
+            (1.0 - hardening.at(strain_after) / equivalent, (end, strain_after))
         };
         // The derivative of the equivalent stress q by the flow is -sum(f² s²)/q.
         let [of_a, of_b, of_shear] = self.factors;
@@ -122,9 +124,9 @@ impl StressReturn for HillPotential {
         let first = 1.0 - yield_before / trial_equivalent;
         let slope = (rise + (1.0 - first) * fall) / trial_equivalent;
         let start = Start { start: 0.0, first, guess: first / slope.max(0.1 * fall / trial_equivalent) };
-        let flow = nearby_root(start, f64::INFINITY, 1e-13, outside).unwrap_or(f64::INFINITY);
-        let end = self.reduced(trial, flow);
-        point.state[STRAIN] = strain_before + strain(flow, self.equivalent(end));
+        let returned = nearby_state(start, f64::INFINITY, 1e-13, outside);
+        let (flow, (end, strain_after)) = returned.unwrap_or((f64::INFINITY, ([0.0; 3], f64::NAN)));
+        point.state[STRAIN] = strain_after;
         // Plastic strain in the axes of the material; it takes twice the shear modulus times itself from the stress.
         let of = |i: usize| flow * self.factors[i] * end[i] / double_shear;
         let [of_a, of_b] = [of(0), of(1)];

@@ -132,14 +132,13 @@ impl StressReturn for JohnsonHolmquist {
 
     /// Equation (20.25).
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let rate = point.deviatoric_rate();
         let compression = point.advance_volume(DILATION);
         let (damage_before, bulking_before) = (point.state[DAMAGE], point.state[BULKING]);
         let mut damage = damage_before;
         let mut law = self.compression(point.state[BULKING], damage);
         let mut pressure = law.pressure(compression);
         let trial_mises = point.trial.mises;
-        let rate_factor = self.rate.at(rate, 0.0);
+        let rate_factor = if self.rate.is_constant() { 1.0 } else { self.rate.at(point.deviatoric_rate(), 0.0) };
         let mut strengths = self.strengths(pressure, [damage, damage], rate_factor);
         let mut strength = strengths.at(damage);
         let mut mises = trial_mises;

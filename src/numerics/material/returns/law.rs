@@ -31,6 +31,11 @@ pub trait StressReturn: Send + Sync {
         false
     }
 
+    /// Returns whether an increment of any length has the energy of a jump between its ends, so that a path may take it at once.
+    fn is_exact_over_jumps(&self) -> bool {
+        false
+    }
+
     /// Returns whether the law deletes elements.
     fn deletes(&self) -> bool {
         false

@@ -11,6 +11,7 @@ pub mod concrete_tables;
 #[cfg(test)]
 mod concrete_tests;
 pub mod drucker_prager;
+pub mod eos_solid;
 pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
@@ -180,7 +181,6 @@ impl ReturnedPoints {
     ) -> usize {
         let [per_bulk, per_shear] =
             [if holds_pressure { 0.0 } else { 0.5 / strain.moduli.bulk }, 0.5 / (3.0 * strain.moduli.shear)];
-        let mut kept = 0.0;
         for l in 0..LANES {
             let (new, plastic) = (column(&self.stress, l), column(&self.plastic, l));
             let carried = column(&strain.carried, l);
@@ -189,16 +189,15 @@ impl ReturnedPoints {
             update.internal[l] += volume * work;
             // The force of a deleted element ends with its stress: its elastic energy and the work of the increment are lost.
             let is_kept = self.kept[l] > 0.0;
-            let lost = self.lost[l] + if is_kept { 0.0 } else { work };
+            let by_deletion = if is_kept { 0.0 } else { work };
+            let lost = self.lost[l] + by_deletion;
             let flow = contraction(plastic, plastic);
-            let kept_by_volume = if flow > 0.0 {
-                let mean = TrialStress::of(both);
-                let recoverable = per_bulk * mean.pressure * mean.pressure + per_shear * mean.mises * mean.mises;
-                recoverable * (strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l])
-            } else {
-                0.0
-            };
-            let spent = if is_kept { contraction(both, plastic) + self.compacted[l] - kept_by_volume } else { 0.0 };
+            let mean = TrialStress::of(both);
+            let recoverable = per_bulk * mean.pressure * mean.pressure + per_shear * mean.mises * mean.mises;
+            let by_volume = recoverable * (strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l]);
+            let kept_by_volume = if flow > 0.0 { by_volume } else { 0.0 };
+            let spent = contraction(both, plastic) + self.compacted[l] - kept_by_volume;
+            let spent = if is_kept { spent } else { 0.0 };
             update.dissipated[l] += volume * (spent + lost);
             update.damaged[l] += volume * lost;
             update.flow[l] = flow;
@@ -207,14 +206,15 @@ impl ReturnedPoints {
             put_column(&mut update.plastic, l, plastic);
             put_column(&mut update.deviator, l, end.deviator);
             put_column(stress, l, new);
-            let ratio = if trial > 0.0 { end.mises / trial } else { 1.0 };
+            let quotient = end.mises / trial;
+            let ratio = if trial > 0.0 { quotient } else { 1.0 };
             update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
             // The constants of the elements contain the shear modulus.
             update.bulk[l] = self.bulk[l] + 4.0 / 3.0 * (self.shear[l] - strain.moduli.shear);
             update.shear[l] = self.shear[l];
-            kept += self.kept[l];
         }
-        LANES - kept as usize
+        // Apart from the loop over lanes: a sum of numbers is not reordered, which would keep that loop scalar.
+        self.kept.iter().filter(|kept| **kept == 0.0).count()
     }
 }
 

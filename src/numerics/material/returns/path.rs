@@ -6,7 +6,7 @@ use super::root::{Start, nearby_root};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::stress::pressure;
 
-/// Largest strain increment of one update of the law; longer increments are divided.
+/// Largest strain increment of one update of the law; longer increments are divided, except where a jump is exact.
 const LONGEST_INCREMENT: f64 = 1e-3;
 /// Largest lateral strain increment, over the axial one, that is tried for a lateral stress.
 const WIDEST: f64 = 20.0;
@@ -42,7 +42,8 @@ impl<'a> LawPath<'a> {
     /// Applies a strain increment that lasts `dt`.
     pub fn advance(&mut self, strain: [f64; 4], dt: f64) {
         let largest = strain.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
-        let parts = (largest / LONGEST_INCREMENT).ceil().max(1.0);
+        let longest = if self.law.is_exact_over_jumps() { f64::INFINITY } else { LONGEST_INCREMENT };
+        let parts = (largest / longest).ceil().max(1.0);
         let part = strain.inline_map(|component| component / parts);
         self.is_flowing = false;
         for _ in 0..parts as usize {

@@ -22,6 +22,7 @@ pub struct VoidNucleation {
 
 impl VoidNucleation {
     /// Returns the nucleating volume fraction per plastic strain. Equation (20.31).
+    #[inline(always)] // Into the return of each point.
     pub(super) fn density(&self, strain: f64) -> f64 {
         let distance = (strain - self.mean) / self.deviation;
         let scale = self.fraction / ((2.0 * std::f64::consts::PI).sqrt() * self.deviation);
@@ -63,6 +64,7 @@ const DENSITY: usize = 2;
 impl PorousMetal {
     /// Returns the effective void volume fraction f*, and its derivative. It stays so far below the fraction without
     /// strength that a small yield surface remains. Equation (20.32).
+    #[inline(always)] // Into the return of each point.
     pub(super) fn effective(&self, voids: f64) -> [f64; 2] {
         let [q1, _, q3] = self.constants;
         // The yield surface vanishes at the smaller root of 1 + q3 f² = 2 q1 f; coalescence leads to the larger one.

@@ -49,6 +49,7 @@ pub(super) struct Flowed {
 impl PorousMetal {
     /// Returns the state after an increment. `flow` is the trial over the final von Mises stress, less 1: 6 G/y² times
     /// the plastic multiplier. Equation (20.30).
+    #[inline(always)] // Into the return of each point.
     pub(super) fn flowed(&self, before: &PorousIncrement<'_>, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
@@ -73,6 +74,7 @@ impl PorousMetal {
     }
 
     /// Returns the hyperbolic cosine and sine of 1.5 q2 mean/yield.
+    #[inline(always)] // Into the return of each point.
     fn hyperbolic(&self, mean: f64, yield_stress: f64) -> [f64; 2] {
         let ratio = 1.5 * self.constants[1] * mean / yield_stress;
         let exponential = exp_of(ratio.clamp(-LARGEST_RATIO, LARGEST_RATIO));
@@ -81,12 +83,14 @@ impl PorousMetal {
 
     /// Returns the yield function for the von Mises stress over the yield stress, f*, and the hyperbolic cosine.
     /// Equation (20.29).
+    #[inline(always)] // Into the return of each point.
     fn excess(&self, ratio: f64, effective: f64, cosh: f64) -> f64 {
         let [q1, _, q3] = self.constants;
         ratio * ratio + 2.0 * q1 * effective * cosh - 1.0 - q3 * effective * effective
     }
 
     /// Returns the state of the trial, without nucleation: [`Self::flowed`] without flow, but faster.
+    #[inline(always)] // Into the return of each point.
     pub(super) fn trial(&self, before: &PorousIncrement<'_>) -> Flowed {
         let &PorousIncrement { strain, hardening, voids, mises, mean } = before;
         let yield_stress = hardening.value;
@@ -109,6 +113,7 @@ impl PorousMetal {
     }
 
     /// Returns the plastic dilation over flow, f* and the hyperbolic sine.
+    #[inline(always)] // Into the return of each point.
     fn dilatancy(&self, yield_stress: f64) -> f64 {
         self.constants[0] * self.constants[1] * yield_stress / (2.0 * self.moduli.shear)
     }

@@ -42,51 +42,65 @@ pub fn bracketed_root(mut positive: f64, mut other: f64, tolerance: f64, functio
 /// infinite (then with a guess); `None` if the function is positive up to there. The guess is where the tangent at `start` is
 /// zero. Secants through the last two points follow. Returns are short compared with the way, so that a few suffice.
 #[inline(always)] // Into each law: the function is called a few times only.
-pub fn nearby_root(
+pub fn nearby_root(start: Start, limit: f64, tolerance: f64, function: impl Fn(f64) -> f64) -> Option<f64> {
+    nearby_state(start, limit, tolerance, |x| (function(x), ())).map(|(root, ())| root)
+}
+
+/// Returns the root of [`nearby_root`] with the state there, which the function returns with its value.
+#[inline(always)] // Likewise.
+pub fn nearby_state<T>(
     Start { start, first, guess }: Start,
     limit: f64,
     tolerance: f64,
-    function: impl Fn(f64) -> f64,
-) -> Option<f64> {
+    function: impl Fn(f64) -> (f64, T),
+) -> Option<(f64, T)> {
     if first <= tolerance {
-        return Some(start);
+        return Some((start, function(start).1));
     }
     let forward = if limit < start { -1.0 } else { 1.0 };
     let (mut positive, mut last, mut last_value) = (start, start, first);
-    // Bound where the function is negative.
-    let mut other = None;
+    // Bound of the way: a place where the function is negative, once there is one.
+    let (mut bound, mut is_bracketed) = (limit, false);
     let mut next = guess;
     for iteration in 0..ITERATIONS {
-        // Distances from the start.
-        let [least, most, distance] = [positive, other.unwrap_or(limit), next].inline_map(|x| forward * (x - start));
-        if !(distance > least && distance < most) {
-            let longer = if iteration == 0 { FIRST_STEP * most } else { GROWTH * least };
-            let longer = if iteration == 0 && distance >= most { most } else { longer };
-            next = start + forward * if other.is_some() { 0.5 * (least + most) } else { longer.min(most) };
-            next = if longer >= most && other.is_none() { limit } else { next };
+        if !(forward * (next - positive) > 0.0 && forward * (bound - next) > 0.0) {
+            next = inside(start, [positive, bound, next], forward, iteration == 0, is_bracketed);
+            next = if next.is_nan() { limit } else { next };
         }
-        let value = function(next);
+        let (value, state) = function(next);
         if value.abs() <= tolerance {
-            return Some(next);
-        }
-        if value.is_nan() || value > 0.0 && next == limit {
-            return None;
+            return Some((next, state));
         }
         if value < 0.0 {
-            other = Some(next);
+            (bound, is_bracketed) = (next, true);
+        } else if value.is_nan() || next == limit {
+            return None;
         } else {
             positive = next;
         }
-        if let (Some(other), true) = (other, iteration >= SECANTS) {
-            return Some(bracketed_root(positive, other, tolerance, function));
+        if is_bracketed && iteration >= SECANTS {
+            let root = bracketed_root(positive, bound, tolerance, |x| function(x).0);
+            return Some((root, function(root).1));
         }
         let secant = next - value * (next - last) / (value - last_value);
-        (last, last_value) = (next, value);
         // Far from the root of a function without a bound, secants may be much too long.
-        let is_short = other.is_some() || (secant - start).abs() <= LONGEST * (next - start).abs();
+        let is_short = is_bracketed || (secant - start).abs() <= LONGEST * (next - start).abs();
+        (last, last_value) = (next, value);
         next = if is_short { secant } else { f64::NAN };
     }
     None
+}
+
+/// Returns the argument to try in place of one outside the way; NaN for its end.
+#[cold]
+fn inside(start: f64, places: [f64; 3], forward: f64, is_first: bool, is_bracketed: bool) -> f64 {
+    let [least, most, distance] = places.inline_map(|x| forward * (x - start));
+    if is_bracketed {
+        return start + forward * 0.5 * (least + most);
+    }
+    let longer = if is_first { FIRST_STEP * most } else { GROWTH * least };
+    let longer = if is_first && distance >= most { most } else { longer };
+    if longer >= most { f64::NAN } else { start + forward * longer }
 }
 
 /// Where [`nearby_root`] starts.
