@@ -399,7 +399,8 @@ fn node_places(run: &RunState<'_>, model: &Model) -> Vec<[f64; 2]> {
 
 /// Returns the mass of an element without mass scaling.
 fn mass_of(elements: &Elements, group: usize, element: usize) -> f64 {
-    elements.groups[group].masses(element).into_iter().sum::<f64>() * elements.unscaled_shares(group, element)[0]
+    elements.groups[group].masses(element).into_iter().sum::<f64>()
+        * elements.mass_scaling.unscaled_shares(group, element)[0]
 }
 
 /// Returns which elements of a mesh have failed, stay, and have expanded: cracks have separated them into fragments. `element`

@@ -17,15 +17,6 @@ pub(super) struct SurfaceForces {
     pub(super) friction: [f64; 2],
 }
 
-impl ContactSystem {
-    /// Returns pressure and shear stress of a key, damping included.
-    fn stresses(&self, key: usize) -> [f64; 2] {
-        let [pressure, shear] = self.keys.pressures[key];
-        let damping = self.keys.slip_damping.stress(key);
-        [pressure, shear + damping].inline_map(|stress| stress * self.dofs.output_share)
-    }
-}
-
 impl ContactConstraint {
     /// Returns the forces on the own surface of a pair.
     fn forces(&self, pair: &ContactPair) -> SurfaceForces {
@@ -56,7 +47,7 @@ impl ContactConstraint {
         let mut sum: Option<f64> = None;
         for key in keys {
             let ([pressure, shear], bond) =
-                (contact.stresses(key), cohesion.map_or([0.0; 2], |cohesion| cohesion.stresses(contact, key)));
+                (stresses(contact, key), cohesion.map_or([0.0; 2], |cohesion| cohesion.stresses(contact, key)));
             let value = match part.variable {
                 Variable::ContactPressure => sum.unwrap_or(0.0) + pressure + bond[0],
                 Variable::ContactShear => sum.unwrap_or(0.0) + shear + bond[1],
@@ -129,7 +120,7 @@ fn add_forces_of_facets(contact: &ContactSystem, pair: &ContactPair, sum: &mut S
         }
         for (end, point) in facet.iter().enumerate() {
             let Ok(index) = secondary.points.binary_search(point) else { continue };
-            let [pressure, shear] = contact.stresses(pair.first_key as usize + index);
+            let [pressure, shear] = stresses(contact, pair.first_key as usize + index);
             if pressure == 0.0 && shear == 0.0 {
                 continue;
             }
@@ -153,7 +144,7 @@ fn add_forces_of_rows(contact: &ContactSystem, pair: &ContactPair, sum: &mut Sur
     let mut keys = pair.keys();
     keys.start += if is_analytical { 0 } else { own_points };
     for row in measured.rows.rows.iter().filter(|row| keys.contains(&(row.key as usize)) && row.acts()) {
-        let [force, shear] = contact.stresses(row.key as usize);
+        let [force, shear] = stresses(contact, row.key as usize);
         let index = row.key as usize - keys.start;
         let point = if is_analytical { secondary.points[index % own_points] } else { other.points[index] };
         let point_dofs = dofs.of_points[point as usize];
@@ -163,4 +154,11 @@ fn add_forces_of_rows(contact: &ContactSystem, pair: &ContactPair, sum: &mut Sur
             sum.friction[axis] += shear * term.slip;
         }
     }
+}
+
+/// Returns pressure and shear stress of a key, damping included.
+fn stresses(contact: &ContactSystem, key: usize) -> [f64; 2] {
+    let [pressure, shear] = contact.keys.pressures[key];
+    let damping = contact.keys.slip_damping.stress(key);
+    [pressure, shear + damping].inline_map(|stress| stress * contact.dofs.output_share)
 }
