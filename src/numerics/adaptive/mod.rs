@@ -525,8 +525,9 @@ impl AdaptiveDomain {
         if let Some(shares) = &self.mass_shares {
             for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.changes[*i]) {
                 let [plain, fixed, ..] = shares[i].0;
-                let (at, Elements { groups, mass_scaling, .. }) = ((self.group, *e as usize), &mut *elements);
-                mass_scaling.take_masses(groups, at, self.corner_mass[0][i], [plain, fixed]);
+                let Elements { groups, mass_scaling, .. } = &mut *elements;
+                let element = (self.group, *e as usize);
+                mass_scaling.take_masses(groups, element, self.corner_mass[0][i], [plain, fixed]);
             }
             elements.mass_scaling.sum_masses(nodes);
         }

@@ -37,6 +37,7 @@ use crate::state::{EffectId, Instant};
 
 /// Number of elements from which corner forces are summed in tiles: those of smaller models fit into second-level caches.
 const TILED: usize = 131_072;
+
 /// Deformable elements of a model, and everything that acts through them; nodes are stored separately.
 #[derive(Clone, Default, Persist)]
 // Characteristic lengths are stored in the groups; fields depend on the time only. Corner forces of quiescent elements

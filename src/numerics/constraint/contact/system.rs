@@ -260,7 +260,7 @@ impl ContactSystem {
         dofs.energies.initial_overlap += keys.stored_energy.limit_overlaps(&mut measured.rows, laws, &surfaces.active);
         let (step, mut outcome) = (ContactStep { laws, pressures: &keys.pressures, span }, Ok(()));
         keys.slip_damping.begin(&surfaces.active);
-        if let Some(reference) = measured.rows.begin(&mut own_dofs.motion, step) {
+        if let Some(reference) = measured.rows.begin(&own_dofs.motion, step) {
             keys.slip_damping.apply(&mut measured.rows, &mut own_dofs.motion, step);
             if let Some(user_friction) = &keys.user_friction {
                 user_friction.set_coefficients(&mut measured.rows, step);
