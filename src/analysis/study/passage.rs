@@ -156,7 +156,7 @@ impl PieceList {
             let members = groups[g].boundary(e);
             let piece = list.piece_at(&mut sets, members[0] as usize, PieceMember::Element(g, e));
             let mut totals = PartTotals::default();
-            state.elements.add_to_part(&mut totals, (g, e), &state.dofs.nodes);
+            totals.add(&state.elements, (g, e), &state.dofs.nodes);
             let places = || members.iter().map(|node| direction * state.dofs.nodes[*node as usize].z);
             piece.front = places().fold(piece.front, f64::max);
             piece.mass += totals.mass;

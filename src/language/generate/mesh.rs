@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 
 use super::nose;
+use super::picture;
 use super::profile::ProfilePiece;
 use super::shape::{NoseShape, ProjectileOutline, positive};
 use super::sheet::QuadMesh;
 use super::spacing::{graded, rows};
 use crate::deck::Diagnostic;
+use crate::output::drawing::Drawing;
 
 /// Parameters of a projectile mesh. All lengths have the length unit of the deck.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,6 +144,16 @@ impl ProjectileMesh {
         let [r, z] = worst.1;
         let message = format!("an element near r = {r:.4}, z = {z:.4} would be folded");
         Err(Diagnostic::error("G006", message).help("give more points of the profile there, or a smaller --size"))
+    }
+
+    /// Draws the meridian section, mirrored about the axis.
+    pub fn drawing(&self, title: &str) -> Drawing {
+        let colour = |element: usize| match (self.parts[element], element < self.in_nose) {
+            (MeshPart::Fill, _) => 0xf2_d9_b0,
+            (MeshPart::Case, true) => 0xb8_d4_ea,
+            (MeshPart::Case, false) => 0xdf_e7_ee,
+        };
+        picture::drawing(&self.sheet, colour, title)
     }
 }
 

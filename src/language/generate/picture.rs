@@ -1,6 +1,5 @@
 //! Drawing of a mesh: the meridian section, mirrored about the axis, with the nose or the lower face on the left.
 
-use super::mesh::{MeshPart, ProjectileMesh};
 use super::sheet::QuadMesh;
 use crate::output::drawing::{Drawing, LineStroke, ShapePaint, TextAnchor, TextLabel};
 
@@ -8,18 +7,6 @@ use crate::output::drawing::{Drawing, LineStroke, ShapePaint, TextAnchor, TextLa
 const WIDTH: f64 = 1600.0;
 const MARGIN: f64 = 24.0;
 const TITLE: f64 = 40.0;
-
-impl ProjectileMesh {
-    /// Draws the meridian section, mirrored about the axis.
-    pub fn drawing(&self, title: &str) -> Drawing {
-        let colour = |element: usize| match (self.parts[element], element < self.in_nose) {
-            (MeshPart::Fill, _) => 0xf2_d9_b0,
-            (MeshPart::Case, true) => 0xb8_d4_ea,
-            (MeshPart::Case, false) => 0xdf_e7_ee,
-        };
-        drawing(&self.sheet, colour, title)
-    }
-}
 
 /// Draws a mesh whose elements have the given colours.
 pub fn drawing(sheet: &QuadMesh, colour: impl Fn(usize) -> u32, title: &str) -> Drawing {

@@ -1,14 +1,13 @@
 //! `*OUTPUT` with the cards that follow it, `*RESTART`, `*TIME POINTS`.
 
-use indexmap::IndexSet;
-
 use super::contact;
 use super::context::{Context, MAX_GENERATED};
 use super::families::{OutputReader, StepReader};
 use super::names::{SetKind, upper};
+use super::sets::{sets_mut, sets_of};
 use super::types::{
-    ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
-    OutputPosition, OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
+    ContactPairFilter, ElementSetId, MemberSet, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
+    OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
@@ -92,14 +91,6 @@ fn note_time_marks(context: &mut Context<'_>, card: &Card) {
         let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
         let note = Diagnostic::note("M142", message).at(card.span, "output does not change the increments");
         context.diagnostics.push(note);
-    }
-}
-
-impl Model {
-    /// Returns the names of the sensors of all steps, each once: `*OUTPUT, HISTORY, SENSOR, NAME=`.
-    pub fn sensor_names(&self) -> Vec<String> {
-        let names = self.steps.iter().flat_map(|step| &step.outputs).filter_map(|request| request.sensor.clone());
-        names.collect::<IndexSet<String>>().into_iter().collect()
     }
 }
 
@@ -317,14 +308,14 @@ fn output_region(context: &mut Context<'_>, output: &mut OutputReader, card: &Ca
 fn output_set(context: &mut Context<'_>, kind: SetKind, word: &Word) -> Option<usize> {
     let members = context.members(kind, word)?;
     let [inner, outer] = context.names_of(word);
-    let sets = context.model.sets(kind);
+    let sets = sets_of(&context.model, kind);
     let known = sets.get_index_of(&inner).or_else(|| sets.get_index_of(&outer));
     if kind == SetKind::Elements {
         let key = if sets.contains_key(&inner) { &inner } else { &outer };
         context.edit_output_elements(word, key);
     }
     let set = MemberSet { members, span: word.span };
-    Some(known.unwrap_or_else(|| context.model.sets_mut(kind).insert_full(outer, set).0))
+    Some(known.unwrap_or_else(|| sets_mut(&mut context.model, kind).insert_full(outer, set).0))
 }
 
 /// Lists the filters of pairs of a `*CONTACT OUTPUT` card with NSET as unused.

@@ -74,7 +74,7 @@ fn members(context: &mut Context<'_>, card: &Card, kind: SetKind) -> Vec<usize> 
 
 /// Adds the labels of a line to a set; `false` if the line also has set names. `name` is a buffer.
 fn labels(context: &Context<'_>, text: &str, kind: SetKind, name: &mut String, members: &mut Vec<usize>) -> bool {
-    let sets = context.model.sets(kind);
+    let sets = sets_of(&context.model, kind);
     let Some(scope) = context.labels(kind).scope(&context.scope) else { return false };
     let is_set = |word: &str, name: &mut String| {
         name.clear();
@@ -138,23 +138,23 @@ pub fn collect(context: &mut Context<'_>, kind: SetKind, card: &Card, parameter:
 /// Adds members to a set of the current scope.
 pub fn add_set(context: &mut Context<'_>, kind: SetKind, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
-    let sets = context.model.sets_mut(kind);
+    let sets = sets_mut(&mut context.model, kind);
     unite(sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
 }
 
-impl Model {
-    pub(super) fn sets(&self, kind: SetKind) -> &IndexMap<String, MemberSet> {
-        match kind {
-            SetKind::Nodes => &self.node_sets,
-            SetKind::Elements => &self.element_sets,
-        }
+/// Returns the sets of a kind.
+pub fn sets_of(model: &Model, kind: SetKind) -> &IndexMap<String, MemberSet> {
+    match kind {
+        SetKind::Nodes => &model.node_sets,
+        SetKind::Elements => &model.element_sets,
     }
+}
 
-    pub(super) fn sets_mut(&mut self, kind: SetKind) -> &mut IndexMap<String, MemberSet> {
-        match kind {
-            SetKind::Nodes => &mut self.node_sets,
-            SetKind::Elements => &mut self.element_sets,
-        }
+/// Returns the sets of a kind for changes.
+pub fn sets_mut(model: &mut Model, kind: SetKind) -> &mut IndexMap<String, MemberSet> {
+    match kind {
+        SetKind::Nodes => &mut model.node_sets,
+        SetKind::Elements => &mut model.element_sets,
     }
 }
 

@@ -320,7 +320,7 @@ impl AdaptiveDomain {
         dofs.energies.advection += kinetic_before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &mut field) {
-            field.take_masses(self.group, |e| elements.unscaled_masses(self.group, e));
+            field.take_masses(self.group, |e| elements.mass_scaling.unscaled_masses(&elements.groups, self.group, e));
             temperatures.write((&self.topology, &self.active), field);
         }
     }
@@ -357,7 +357,7 @@ impl AdaptiveDomain {
     fn read(&mut self, half: f64, elements: &mut Elements, nodes: &Nodes) {
         if let Some(shares) = &mut self.mass_shares {
             for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.reads[*i]) {
-                shares[i].0[..2].copy_from_slice(&elements.unscaled_shares(self.group, *e as usize));
+                shares[i].0[..2].copy_from_slice(&elements.mass_scaling.unscaled_shares(self.group, *e as usize));
             }
         }
         let group = &mut elements.groups[self.group];
@@ -525,9 +525,11 @@ impl AdaptiveDomain {
         if let Some(shares) = &self.mass_shares {
             for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.changes[*i]) {
                 let [plain, fixed, ..] = shares[i].0;
-                elements.take_scaled_masses(self.group, *e as usize, self.corner_mass[0][i], [plain, fixed]);
+                let Elements { groups, mass_scaling, .. } = &mut *elements;
+                let element = (self.group, *e as usize);
+                mass_scaling.take_masses(groups, element, self.corner_mass[0][i], [plain, fixed]);
             }
-            elements.sum_scaled_masses(nodes);
+            elements.mass_scaling.sum_masses(nodes);
         }
     }
 }

@@ -7,11 +7,12 @@
 
 use rayon::prelude::*;
 
-use super::block::{StoredTask, TASK, TaskWorkspace};
 use super::constants::ElementConstants;
 use super::group::{ElementPass, GroupTotals, PARALLEL, UserCalls};
+use super::lane_sums::TASK;
 use super::record::BlockRecord;
 use super::solid::{BlockPass, BlockPlace, SolidBlock, SolidGroup, SolidIncrement};
+use super::workspace::{StoredTask, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, LANES};
 use crate::kernel::lists::Memory;
 use crate::material::Material;

@@ -4,7 +4,7 @@
 //! difference is added here.
 #![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
-use super::block::{CornerNodes, TaskWorkspace};
+use super::workspace::{CornerNodes, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, LANES, Lanes};
 use crate::state::nodes::{Node, NodeAccelerations};
 
@@ -15,13 +15,13 @@ pub(super) struct EnergyCorrection {
     lost: Lanes,
 }
 
-impl TaskWorkspace {
+impl EnergyCorrection {
     /// Begins the correction, while corner forces are those of the start of the increment. Where an increment dt
     /// follows dt', central differences gain m a² (dt'² - dt²)/8 relative to the trapezoidal work; this energy is
     /// charged to the elements whose forces accelerate the node.
     #[inline(always)]
-    pub(super) fn begin_energy_correction(
-        &self,
+    pub(super) fn begin(
+        scratch: &TaskWorkspace,
         corners: &BlockCornerForces,
         of: &[[u32; LANES]; 4],
         (nodes, dt): (&CornerNodes, f64),
@@ -38,21 +38,15 @@ impl TaskWorkspace {
                 lost[l] += f_r * (half * v_r - share * a_r) + f_z * (half * v_z - share * a_z);
             }
         }
-        EnergyCorrection { sums: [self.stress.internal, self.sums.viscous, self.sums.artificial], lost }
+        EnergyCorrection { sums: [scratch.stress.internal, scratch.sums.viscous, scratch.sums.artificial], lost }
     }
 
     /// Completes the correction with the corner forces of the end of the increment: adds the missing work to the
     /// internal energy, and counts it and the hourglass work as heat. Equation (7.10).
     #[inline(always)]
-    pub(super) fn apply_energy_correction(
-        &mut self,
-        owed: &EnergyCorrection,
-        corners: &BlockCornerForces,
-        nodes: &CornerNodes,
-        dt: f64,
-    ) {
+    pub(super) fn apply(&self, scratch: &mut TaskWorkspace, corners: &BlockCornerForces, nodes: &CornerNodes, dt: f64) {
         let half = 0.5 * dt;
-        let mut lost = owed.lost;
+        let mut lost = self.lost;
         for i in 0..4 {
             for l in 0..LANES {
                 let Node { v_r, v_z, .. } = nodes.0[i][l];
@@ -60,13 +54,13 @@ impl TaskWorkspace {
                 lost[l] += half * (f_r * v_r + f_z * v_z);
             }
         }
-        let [internal, viscous, artificial] = &owed.sums;
+        let [internal, viscous, artificial] = &self.sums;
         for l in 0..LANES {
-            let controls = self.sums.artificial[l] - artificial[l];
-            let booked = (self.stress.internal[l] - internal[l]) + (self.sums.viscous[l] - viscous[l]) + controls;
-            let missing = if self.weight[l] > 0.0 { -lost[l] - booked } else { 0.0 };
-            self.stress.internal[l] += missing;
-            self.stress.heat[l] += missing + controls;
+            let controls = scratch.sums.artificial[l] - artificial[l];
+            let booked = (scratch.stress.internal[l] - internal[l]) + (scratch.sums.viscous[l] - viscous[l]) + controls;
+            let missing = if scratch.weight[l] > 0.0 { -lost[l] - booked } else { 0.0 };
+            scratch.stress.internal[l] += missing;
+            scratch.stress.heat[l] += missing + controls;
         }
     }
 }

@@ -4,10 +4,10 @@
 use pulp::Simd;
 
 use super::assumed::AssumedStresses;
-use super::block::{ControlStresses, ElementBlock, TaskWorkspace};
 use super::constants::ElementConstants;
 use super::edges::{EdgeFlow, EdgeLimit};
 use super::forces::{HourglassScheme, PatternForces, PatternMotion};
+use super::workspace::{ControlStresses, TaskWorkspace};
 use crate::kernel::assumed::{AssumedDirections, hoop, moduli, ring};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::pack::{Pack, PackPosition};
@@ -34,31 +34,31 @@ pub(super) struct AssumedStrains<'a> {
     remains: Lanes,
 }
 
-impl<S: Clone> ElementBlock<S> {
-    /// Returns the stress fraction that damage leaves.
-    #[inline(always)]
-    pub(super) fn shares<M: Material<State = S>>(&self, material: &M) -> Lanes {
-        if M::FAILS { inline_from_fn(|l| material.share(&self.state, l)) } else { [1.0; LANES] }
-    }
+/// Returns the stress fraction that damage leaves.
+#[inline(always)]
+pub(super) fn shares<M: Material>(material: &M, state: &M::State) -> Lanes {
+    if M::FAILS { inline_from_fn(|l| material.share(state, l)) } else { [1.0; LANES] }
+}
 
-    /// Returns the assumed strains after the stress update; `before` is the stress fraction that damage left at the
+impl<'a> AssumedStrains<'a> {
+    /// Creates the assumed strains after the stress update; `before` is the stress fraction that damage left at the
     /// start of the increment.
     #[inline(always)]
-    pub(super) fn assumed_strains<'a, M: Material<State = S>>(
-        &self,
-        (material, before): (&M, Lanes),
+    pub(super) fn new<M: Material>(
+        (material, state): (&M, &M::State),
+        before: Lanes,
         constants: &'a ElementConstants,
         stresses: &'a mut AssumedStresses,
         scratch: &mut TaskWorkspace,
     ) -> AssumedStrains<'a> {
-        let share = self.shares(material);
+        let share = shares(material, state);
         let remains = |l: usize| if before[l] > 0.0 { share[l] / before[l] } else { 0.0 };
         let remains = if M::FAILS { inline_from_fn(remains) } else { share };
         if matches!(M::FLOW, PlasticFlow::Coupled) {
             scratch.stress.undo_flow();
         }
         if stresses.limit[0] == 0.0
-            && let Some(limit) = material.yield_stress(&self.state, constants.shear, scratch.strain.count)
+            && let Some(limit) = material.yield_stress(state, constants.shear, scratch.strain.count)
         {
             stresses.limit = limit;
         }

@@ -7,10 +7,12 @@
 
 use rayon::prelude::*;
 
-use super::block::{TASK, larger};
+use super::assembly::ForceAssembly;
 use super::criteria::DeletionCriteria;
-use super::elements::{Elements, GroupTiming};
-use super::group::{ElementGroup, GroupSetting, PARALLEL};
+use super::deletions::Deletions;
+use super::group::{ElementGroup, PARALLEL};
+use super::lane_sums::{TASK, larger};
+use super::timing::GroupTiming;
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::{Memory, sorted_unique};
@@ -174,6 +176,35 @@ impl ErosionControl {
         sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)))
     }
 
+    /// Deletes the elements that meet their criteria, at the end of an increment, before its strains are computed, and
+    /// records the run time.
+    pub(super) fn erode(
+        &mut self,
+        groups: &mut [Box<dyn ElementGroup>],
+        assembly: &mut ForceAssembly,
+        deletions: &mut Deletions,
+        dofs: &mut Dofs,
+        threads: bool,
+        timing: &mut GroupTiming<'_>,
+    ) {
+        if dofs.nodes.previous_dt == 0.0 {
+            return;
+        }
+        for watched in &mut self.list {
+            let started = timing.start(watched.id);
+            watched.evaluate(groups, &dofs.nodes, threads);
+            timing.stop(started, watched.id);
+        }
+        for watched in &mut self.list {
+            for (group, element) in watched.found().map(|index| watched.elements[index]) {
+                if !groups[group].is_deleted(element) {
+                    delete(groups, (group, element), assembly, deletions, dofs);
+                }
+            }
+            watched.take_found();
+        }
+    }
+
     /// Takes which elements have met criteria in a model in which a group had another mesh.
     pub(super) fn follow_new_mesh(&mut self, previous: &ErosionControl, group: usize) {
         for (watched, previous) in self.list.iter_mut().zip(&previous.list) {
@@ -184,65 +215,34 @@ impl ErosionControl {
     }
 }
 
-impl Elements {
-    /// Sets the deletion criteria of elements; nodes are in the initial configuration.
-    pub fn watch(&mut self, erosion: ErosionControl, nodes: &Nodes) {
-        for group in erosion.groups() {
-            self.groups[group].configure(GroupSetting::Deletion);
-        }
-        self.erosion = Some(Box::new(erosion));
-        self.reserve_deletions();
-        self.count_deletions(nodes.len());
+/// Deletes an element. Its forces have acted over the first half of the previous increment only; their work is
+/// added to its energy. Its stored energy counts as dissipated; energy that it has released, for example by the
+/// expansion of a gas, does not. Equation (12.3).
+fn delete(
+    groups: &mut [Box<dyn ElementGroup>],
+    (group, element): (usize, usize),
+    assembly: &mut ForceAssembly,
+    deletions: &mut Deletions,
+    dofs: &mut Dofs,
+) {
+    let nodes_of_element = groups[group].nodes(element);
+    let nodes = &dofs.nodes;
+    let mut work = 0.0;
+    for (corner, &n) in nodes_of_element.iter().enumerate() {
+        let ([f_r, f_z], node) = (assembly.corner_force(groups, (group, element), corner), nodes[n as usize]);
+        work -= 0.5 * nodes.previous_dt * (f_r * node.v_r + f_z * node.v_z);
     }
-
-    /// Deletes the elements that meet their criteria, at the end of an increment, before its strains are computed, and
-    /// records the run time.
-    pub(super) fn erode(&mut self, dofs: &mut Dofs, threads: bool, timing: &mut GroupTiming<'_>) {
-        if dofs.nodes.previous_dt == 0.0 {
-            return;
-        }
-        let Some(mut erosion) = self.erosion.take() else { return };
-        for watched in &mut erosion.list {
-            let started = timing.start(watched.id);
-            watched.evaluate(&self.groups, &dofs.nodes, threads);
-            timing.stop(started, watched.id);
-        }
-        for watched in &mut erosion.list {
-            for index in watched.found() {
-                let (group, element) = watched.elements[index];
-                if !self.groups[group].is_deleted(element) {
-                    self.delete(group, element, dofs);
-                }
-            }
-            watched.take_found();
-        }
-        self.erosion = Some(erosion);
-    }
-
-    /// Deletes an element. Its forces have acted over the first half of the previous increment only; their work is
-    /// added to its energy. Its stored energy counts as dissipated; energy that it has released, for example by the
-    /// expansion of a gas, does not. Equation (12.3).
-    fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
-        let nodes_of_element = self.groups[group].nodes(element);
-        let nodes = &dofs.nodes;
-        let mut work = 0.0;
-        for (corner, &n) in nodes_of_element.iter().enumerate() {
-            let ([f_r, f_z], node) = (self.corner_force(group, element, corner), nodes[n as usize]);
-            work -= 0.5 * nodes.previous_dt * (f_r * node.v_r + f_z * node.v_z);
-        }
-        let stored = self.groups[group].value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0);
-        dofs.energies.internal += work;
-        dofs.energies.plastic += (work + stored).max(0.0);
-        self.clear_corners(group, element);
-        let group = &mut self.groups[group];
-        let volume =
-            group.cells(element).map(|cell| quad::volume(cell.inline_map(|n| dofs.nodes.start[n as usize]))).sum();
-        // The faces at a cohesive element have been exposed before.
-        let listed = if group.topology() == ElementTopology::Cohesive { 0 } else { group.topology().boundary() };
-        self.deleted.0.push(group.boundary(element).first(listed));
-        group.erode(element, volume);
-        if let Some(removed) = &mut self.removed {
-            removed.add(work);
-        }
+    let stored = groups[group].value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0);
+    dofs.energies.internal += work;
+    dofs.energies.plastic += (work + stored).max(0.0);
+    assembly.clear(groups, group, element);
+    let group = &mut groups[group];
+    let volume = group.cells(element).map(|cell| quad::volume(cell.inline_map(|n| dofs.nodes.start[n as usize]))).sum();
+    // The faces at a cohesive element have been exposed before.
+    let listed = if group.topology() == ElementTopology::Cohesive { 0 } else { group.topology().boundary() };
+    deletions.boundaries.push(group.boundary(element).first(listed));
+    group.erode(element, volume);
+    if let Some(record) = &mut deletions.record {
+        record.add(work);
     }
 }

@@ -1,70 +1,67 @@
 //! When the highest frequency of the whole model is estimated, and how long an estimate is valid.
 
-use super::elements::Elements;
-use super::frequency::{ConstrainedNodes, WORN};
-use super::group::GroupSetting;
+use pulp::Arch;
+
+use super::frequency::{ConstrainedNodes, HighestFrequency, WORN};
+use super::group::{ElementGroup, GroupSetting};
+use super::stable_limit::StableLimit;
 use crate::state::nodes::Nodes;
 
-impl Elements {
-    /// Begins a step; `use_estimate` selects the global estimate of the stable time increment.
-    pub fn begin_frequency(&mut self, use_estimate: bool, nodes: &Nodes, held: &ConstrainedNodes<'_>) {
-        self.uses_frequency = use_estimate;
-        let mut cap = f64::INFINITY;
-        if let Some(mut frequency) = self.frequency.take() {
-            frequency.begin(&self.groups, nodes, held);
-            if use_estimate && frequency.wears_at_once(&self.groups, nodes) {
-                frequency.state.wait();
-            } else if use_estimate {
-                // Immediately: a jump of the time increment would change the energy of the highest modes.
-                frequency.update_estimate(&self.groups, nodes, self.arch);
-                cap = frequency.state.cap(0.0);
-            }
-            self.frequency = Some(frequency);
+impl HighestFrequency {
+    /// Begins a step that uses the estimate or not. Returns the bound of the frequency for the next pass.
+    pub(super) fn begin_step(
+        &mut self,
+        use_estimate: bool,
+        groups: &[Box<dyn ElementGroup>],
+        nodes: &Nodes,
+        held: &ConstrainedNodes<'_>,
+        arch: Arch,
+    ) -> f64 {
+        self.begin(groups, nodes, held);
+        if !use_estimate {
+            return f64::INFINITY;
         }
-        self.groups.iter_mut().for_each(|g| g.configure(GroupSetting::HighestFrequency(cap)));
+        if self.wears_at_once(groups, nodes) {
+            self.state.wait();
+        } else {
+            // Immediately: a jump of the time increment would change the energy of the highest modes.
+            self.update_estimate(groups, nodes, arch);
+        }
+        self.state.cap(0.0)
     }
 
-    /// Updates the frequency bound for the next pass after a pass over the elements.
-    pub(super) fn bound_frequency(&mut self, nodes: &Nodes) {
-        if !self.uses_frequency {
-            return;
-        }
-        let Some(mut frequency) = self.frequency.take() else { return };
-        let (deformed, rate) = (self.deformed, self.limit.0.rate);
-        let standing = &mut frequency.state;
-        if standing.found > 0.0 {
-            self.limit.0.rate *= 1.0 + standing.follow(deformed);
-            if standing.age == 1 {
-                standing.gain = (standing.by_elements / rate - 1.0).max(0.0);
+    /// Updates the frequency bound for the next pass after a pass over the elements with its limit of the time increment.
+    /// `deformed` is the bound of the relative increase of frequencies in that pass.
+    pub(super) fn follow_pass(
+        &mut self,
+        groups: &mut [Box<dyn ElementGroup>],
+        limit: &mut StableLimit,
+        deformed: f64,
+        nodes: &Nodes,
+        arch: Arch,
+    ) {
+        let rate = limit.totals.rate;
+        let state = &mut self.state;
+        if state.found > 0.0 {
+            limit.totals.rate *= 1.0 + state.follow(deformed);
+            if state.age == 1 {
+                state.gain = (state.by_elements / rate - 1.0).max(0.0);
             }
-            if standing.growth > WORN {
-                if standing.renews_at_once() {
-                    frequency.update_estimate(&self.groups, nodes, self.arch);
+            if state.growth > WORN {
+                if state.renews_at_once() {
+                    self.update_estimate(groups, nodes, arch);
                 } else {
-                    standing.discard();
+                    state.discard();
                 }
             }
         } else {
-            standing.age += 1;
+            state.age += 1;
         }
-        let standing = &frequency.state;
-        if standing.found == 0.0 && standing.age > standing.pause && rate.is_finite() {
-            frequency.update_estimate(&self.groups, nodes, self.arch);
+        let state = &self.state;
+        if state.found == 0.0 && state.age > state.pause && rate.is_finite() {
+            self.update_estimate(groups, nodes, arch);
         }
-        let cap = frequency.state.cap(deformed);
-        self.groups.iter_mut().for_each(|g| g.configure(GroupSetting::HighestFrequency(cap)));
-        self.frequency = Some(frequency);
-    }
-
-    /// Returns the stable time increment that the mesh would have without deformation: where a step has begun without the
-    /// global estimate, as if the elements were squares, which it helps by sqrt(2).
-    pub fn undisturbed_increment(&self) -> f64 {
-        let waits = self.frequency.as_ref().is_some_and(|frequency| frequency.state.waits);
-        self.stable_increment() * if waits { std::f64::consts::SQRT_2 } else { 1.0 }
-    }
-
-    /// Returns the number of estimates of the highest frequency so far; `None` without the estimate.
-    pub fn estimates(&self) -> Option<u64> {
-        self.frequency.as_ref().map(|f| f.state.count)
+        let cap = self.state.cap(deformed);
+        groups.iter_mut().for_each(|g| g.configure(GroupSetting::HighestFrequency(cap)));
     }
 }

@@ -3,10 +3,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::block::{ControlStresses, TaskWorkspace};
 use super::constants::{CHANGE, ElementConstants, damped};
 use super::motion::LaneMotion;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
+use super::workspace::{ControlStresses, TaskWorkspace};
 use crate::kernel::bulk_viscosity::slow_rate;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, Lanes};
 use crate::kernel::pack::{Pack, PackPosition};

@@ -4,9 +4,6 @@ use std::str::FromStr;
 
 use pulp::Arch;
 
-use super::elements::Elements;
-use super::group::GroupSetting;
-
 /// An instruction set. All sets give the same bits; the default is the best of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
@@ -48,13 +45,5 @@ impl Instructions {
             #[cfg(not(target_arch = "x86_64"))]
             _ => None,
         }
-    }
-}
-
-impl Elements {
-    /// Selects an instruction set for all groups and for the loops over nodes.
-    pub fn use_arch(&mut self, arch: Arch) {
-        self.arch = arch;
-        self.groups.iter_mut().for_each(|group| group.configure(GroupSetting::Instructions(arch)));
     }
 }

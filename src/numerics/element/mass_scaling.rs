@@ -120,6 +120,21 @@ pub struct ScaledMasses {
     pub(super) added_to_links: f64,
 }
 
+/// Mass scaling of a model.
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(present: masses)]
+pub struct MassScaling {
+    /// Unscaled masses and mass factors; `None` without mass scaling.
+    pub(super) masses: Option<Box<ScaledMasses>>,
+}
+
+impl MassScaling {
+    /// Returns the bytes of the lists.
+    pub fn bytes(&self) -> usize {
+        self.masses.as_ref().map_or(0, |masses| masses.bytes())
+    }
+}
+
 /// Mass added by scaling to nodes that are not nodes of rigid bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AddedMass {

@@ -1,6 +1,7 @@
 //! Elements: groups of one topology and material, springs and dashpots, and their common time increment limit,
 //! deletion, mass scaling and output.
 
+pub mod assembly;
 mod assumed;
 pub mod averaging;
 #[cfg(test)]
@@ -14,6 +15,7 @@ pub mod constants;
 pub mod criteria;
 pub mod damping;
 mod deletion;
+pub mod deletions;
 mod distorted;
 pub mod distortion;
 mod edges;
@@ -28,6 +30,7 @@ pub mod frequency;
 pub mod group;
 pub mod instructions;
 mod lanczos;
+pub mod lane_sums;
 pub mod lengths;
 pub mod mass_scaling;
 mod motion;
@@ -49,10 +52,13 @@ mod shock;
 pub mod six_node;
 mod solid;
 pub mod solid_groups;
+pub mod stable_limit;
 mod strain;
 mod subzonal;
 mod tiles;
+pub mod timing;
 pub mod transfer;
 pub mod user_field;
 pub mod values;
 pub mod volume_guard;
+pub mod workspace;

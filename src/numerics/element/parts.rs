@@ -19,26 +19,26 @@ pub struct PartTotals {
     pub eroded: f64,
 }
 
-impl Elements {
+impl PartTotals {
     /// Adds an element, by group and index, with velocities at the current instant as in the total energies. A node
     /// contributes the part of its mass that belongs to the element.
-    pub fn add_to_part(&self, totals: &mut PartTotals, (index, element): (usize, usize), nodes: &Nodes) {
-        let group = &self.groups[index];
+    pub fn add(&mut self, elements: &Elements, (index, element): (usize, usize), nodes: &Nodes) {
+        let group = &elements.groups[index];
         let value = |variable: Variable| group.value(element, variable.into()).unwrap_or(0.0);
         if group.is_deleted(element) {
-            totals.eroded += value(Variable::Mass) / self.mass_factor(index, element).unwrap_or(1.0);
+            self.eroded += value(Variable::Mass) / elements.mass_scaling.factor(index, element).unwrap_or(1.0);
             return;
         }
         let (dt, boundary) = (nodes.previous_dt, group.topology().boundary());
         for (at, (&n, &mass)) in group.nodes(element).iter().zip(group.masses(element).iter()).enumerate() {
             let (node, [a_r, a_z]) = (nodes[n as usize], nodes.acceleration[n as usize]);
-            totals.kinetic += 0.5 * mass * (node.v_r * (node.v_r + dt * a_r) + node.v_z * (node.v_z + dt * a_z));
+            self.kinetic += 0.5 * mass * (node.v_r * (node.v_r + dt * a_r) + node.v_z * (node.v_z + dt * a_z));
             // Companion nodes of shells have rotations only.
             if at < boundary {
-                totals.mass += mass;
-                totals.momentum += mass * (node.v_z + 0.5 * dt * a_z);
+                self.mass += mass;
+                self.momentum += mass * (node.v_z + 0.5 * dt * a_z);
             }
         }
-        totals.internal += internal_energy(&**group, element);
+        self.internal += internal_energy(&**group, element);
     }
 }

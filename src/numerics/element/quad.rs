@@ -7,16 +7,18 @@ use std::slice;
 
 use pulp::Arch;
 
-use super::block::{CornerNodes, ElementBlock, StoredTask, TASK, TaskWorkspace};
+use super::block::ElementBlock;
 use super::calls::CallPass;
 use super::constants::ElementConstants;
 use super::distorted::DistortedLanes;
 use super::eroded::ErodedLanes;
 use super::group::{ElementStiffness, ElementTransfer};
+use super::lane_sums::TASK;
 use super::solid::{
     BlockPass, BlockPlace, InitialBlock, PointExpansion, SolidBlock, SolidGroup, SolidIncrement, SolidTask,
 };
 use super::subzonal::SubzonalPressures;
+use super::workspace::{CornerNodes, StoredTask, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, dispatch_outlined};
 use crate::kernel::prefetch::{request, request_entry};
 use crate::kernel::quad;

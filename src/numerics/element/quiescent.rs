@@ -1,8 +1,8 @@
 //! Quiescent regions: tasks of stress-free elements whose nodes are at rest, and the nodes that belong only to such
 //! elements, are skipped until a wave or a load reaches them. Skipping does not change any bit of the results.
 
-use super::block::TASK;
 use super::group::ElementGroup;
+use super::lane_sums::TASK;
 use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lists::heap_bytes;

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::elements::Elements;
-use super::group::{ElementGroup, GroupSetting};
+use super::group::ElementGroup;
 use super::values::internal_energy;
 use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
@@ -46,7 +45,7 @@ pub struct DeletionRecord {
 }
 
 impl DeletionRecord {
-    fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> DeletionRecord {
+    pub(super) fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> DeletionRecord {
         let mut around = vec![0; nodes];
         for group in groups {
             (0..group.len()).flat_map(|e| group.boundary(e)).for_each(|n| around[n as usize] += 1);
@@ -96,7 +95,12 @@ impl DeletionRecord {
     }
 
     /// Adds the elements deleted since the last call; `factor` returns the factor of mass scaling on an element.
-    fn count(&mut self, groups: &[Box<dyn ElementGroup>], factor: impl Fn(usize, usize) -> f64, deleted: usize) {
+    pub(super) fn count(
+        &mut self,
+        groups: &[Box<dyn ElementGroup>],
+        factor: impl Fn(usize, usize) -> f64,
+        deleted: usize,
+    ) {
         if std::mem::replace(&mut self.seen, deleted) == deleted {
             return;
         }
@@ -136,23 +140,5 @@ impl DeletionRecord {
     pub fn bytes(&self) -> usize {
         let counted: usize = self.counted.iter().map(|c| size_of_val(c) + c.capacity()).sum();
         size_of_val(self) + counted + size_of::<u32>() * (self.around.capacity() + self.points.capacity())
-    }
-}
-
-impl Elements {
-    /// Starts to compute totals of deletion; elements then record strains and energies.
-    pub fn count_deletions(&mut self, nodes: usize) {
-        self.removed = Some(Box::new(DeletionRecord::new(&self.groups, nodes)));
-        let deletable = self.groups.iter_mut().filter(|g| g.properties().deletable);
-        deletable.for_each(|g| g.configure(GroupSetting::Records));
-    }
-
-    /// Adds the elements deleted in the last pass.
-    pub(super) fn count_removed(&mut self) {
-        if let Some(removed) = &mut self.removed {
-            let masses = self.masses.as_deref();
-            let factor = |group: usize, element: usize| masses.map_or(1.0, |masses| masses.applied[group][element]);
-            removed.count(&self.groups, factor, self.deleted.0.len());
-        }
     }
 }

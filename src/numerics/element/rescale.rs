@@ -3,9 +3,11 @@
 
 use std::collections::BTreeSet;
 
-use super::elements::Elements;
-use super::group::GroupSetting;
-use super::mass_scaling::{AddedMass, ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
+use super::group::{ElementGroup, GroupSetting};
+use super::mass_scaling::{
+    AddedMass, ArrivedScaling, MassScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling,
+};
+use super::stable_limit::StableLimit;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::topology::PerNode;
 use crate::material::PointValue;
@@ -29,12 +31,12 @@ impl FactorSet {
     }
 }
 
-impl Elements {
+impl MassScaling {
     /// Stores the current masses as reference of all factors. `linked` marks the nodes with equations or links.
-    pub fn store_unscaled_masses(&mut self, nodes: &Nodes, linked: Vec<bool>) {
-        self.groups.iter_mut().for_each(|group| group.configure(GroupSetting::StableRates));
+    pub fn store_unscaled(&mut self, groups: &mut [Box<dyn ElementGroup>], nodes: &Nodes, linked: Vec<bool>) {
+        groups.iter_mut().for_each(|group| group.configure(GroupSetting::StableRates));
         let elements: Vec<Vec<PerNode<f64>>> =
-            self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
+            groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = elements.iter().map(|c| vec![1.0; c.len()]).collect();
         let nodes = nodes.mass.clone();
         let (sums, original) = (nodes.clone(), nodes.iter().sum());
@@ -59,22 +61,22 @@ impl Elements {
     }
 
     /// Returns the mass that scaling adds at nodes of a rigid body, which have no mass themselves.
-    pub fn mass_added_to_body(&self, nodes: &[usize]) -> f64 {
+    pub fn added_to_body(&self, nodes: &[usize]) -> f64 {
         self.masses.as_deref().map_or(0.0, |masses| nodes.iter().map(|&n| masses.sums[n] - masses.nodes[n]).sum())
     }
 
     /// Returns the factor of mass scaling on the mass of an element; `None` without mass scaling.
-    pub fn mass_factor(&self, group: usize, element: usize) -> Option<f64> {
+    pub fn factor(&self, group: usize, element: usize) -> Option<f64> {
         Some(self.masses.as_deref()?.applied[group][element])
     }
 
     /// Returns the masses of an element at its nodes without scaling.
-    pub fn unscaled_masses(&self, group: usize, element: usize) -> PerNode<f64> {
-        self.masses.as_deref().map_or_else(|| self.groups[group].masses(element), |m| m.elements[group][element])
+    pub fn unscaled_masses(&self, groups: &[Box<dyn ElementGroup>], group: usize, element: usize) -> PerNode<f64> {
+        self.masses.as_deref().map_or_else(|| groups[group].masses(element), |m| m.elements[group][element])
     }
 
     /// Returns the factors of an element: of fixed requests, and the product of all; `None` without mass scaling.
-    pub fn scaling_of(&self, group: usize, element: usize) -> Option<[f64; 2]> {
+    pub fn factors_of(&self, group: usize, element: usize) -> Option<[f64; 2]> {
         let masses = self.masses.as_deref()?;
         Some([masses.fixed[group][element], masses.factors[group][element]])
     }
@@ -82,17 +84,23 @@ impl Elements {
     /// Returns the parts of an element's mass that it would have without scaling and with fixed requests alone. Both are
     /// conserved when elements exchange mass.
     pub fn unscaled_shares(&self, group: usize, element: usize) -> [f64; 2] {
-        let [fixed, all] = self.scaling_of(group, element).unwrap_or([1.0; 2]);
+        let [fixed, all] = self.factors_of(group, element).unwrap_or([1.0; 2]);
         [1.0 / all, fixed / all]
     }
 
     /// Takes the corner masses of an element that has exchanged mass with others, and their parts as
-    /// [`Elements::unscaled_shares`].
-    pub fn take_scaled_masses(&mut self, group: usize, element: usize, scaled: [f64; 4], [plain, fixed]: [f64; 2]) {
+    /// [`MassScaling::unscaled_shares`].
+    pub fn take_masses(
+        &mut self,
+        groups: &[Box<dyn ElementGroup>],
+        (group, element): (usize, usize),
+        scaled: [f64; 4],
+        [plain, fixed]: [f64; 2],
+    ) {
         let Some(masses) = &mut self.masses else { return };
         let unscaled: PerNode<f64> = scaled.inline_map(|mass| plain * mass).into();
         let previous = std::mem::replace(&mut masses.elements[group][element], unscaled);
-        for ((n, previous), now) in self.groups[group].nodes(element).into_iter().zip(previous).zip(unscaled) {
+        for ((n, previous), now) in groups[group].nodes(element).into_iter().zip(previous).zip(unscaled) {
             masses.nodes[n as usize] += now - previous;
         }
         let inverse = 1.0 / plain;
@@ -101,7 +109,7 @@ impl Elements {
     }
 
     /// Sums the masses with and without scaling after elements have exchanged mass.
-    pub fn sum_scaled_masses(&mut self, nodes: &Nodes) {
+    pub fn sum_masses(&mut self, nodes: &Nodes) {
         if let Some(masses) = &mut self.masses {
             masses.original = masses.nodes.iter().sum();
             masses.sum_added(nodes);
@@ -109,23 +117,29 @@ impl Elements {
     }
 
     /// Sets the masses of the elements of a group to those without scaling.
-    pub fn remove_scaling(&mut self, group: usize) {
+    pub fn remove_from(&self, groups: &mut [Box<dyn ElementGroup>], group: usize) {
         let Some(masses) = &self.masses else { return };
         for (e, plain) in masses.elements[group].iter().enumerate() {
-            self.groups[group].set_masses(e, plain);
+            groups[group].set_masses(e, plain);
         }
     }
 
     /// Takes the factors of a model in which a group had another mesh, and scales the masses of its new elements.
-    pub fn follow_scaling(&mut self, previous: &Elements, group: usize, arrived: &ArrivedScaling) {
+    pub fn follow_new_mesh(
+        &mut self,
+        groups: &mut [Box<dyn ElementGroup>],
+        previous: &MassScaling,
+        group: usize,
+        arrived: &ArrivedScaling,
+    ) {
         let (Some(masses), Some(before)) = (&mut self.masses, &previous.masses) else { return };
-        for g in (0..self.groups.len()).filter(|g| *g != group) {
+        for g in (0..groups.len()).filter(|g| *g != group) {
             masses.fixed[g].clone_from(&before.fixed[g]);
             masses.factors[g].clone_from(&before.factors[g]);
             masses.applied[g].clone_from(&before.applied[g]);
         }
         (masses.original, masses.added, masses.added_to_links) = (before.original, before.added, before.added_to_links);
-        let own_group = &mut self.groups[group];
+        let own_group = &mut groups[group];
         for e in 0..own_group.len() {
             own_group.nodes(e).into_iter().for_each(|n| masses.nodes[n as usize] = 0.0);
         }
@@ -141,59 +155,82 @@ impl Elements {
 
     /// Scales the masses if due, before the forces of this instant are computed. Calls `changed` for every node whose
     /// mass changes, with the increase of its kinetic energy along r and z. Returns whether masses may have changed.
-    pub fn scale_masses(
+    pub(super) fn scale(
         &mut self,
-        scaling: &mut StepMassScaling,
+        groups: &mut [Box<dyn ElementGroup>],
+        step: &mut StepMassScaling,
         now: &Instant,
         dofs: &mut Dofs,
         changed: &mut dyn FnMut(usize, [f64; 2]),
     ) -> bool {
-        let starts = scaling.first.is_none();
-        let increment = now.increment - *scaling.first.get_or_insert(now.increment);
+        let starts = step.first.is_none();
+        let increment = now.increment - *step.first.get_or_insert(now.increment);
         let mut due = false;
-        for variable in &mut scaling.variable {
+        for variable in &mut step.variable {
             due |= variable.take_if_due(increment, now.step_time);
         }
-        if !(starts || due) {
-            return false;
-        }
-        let Some(mut masses) = self.masses.take() else { return false };
+        let Some(masses) = self.masses.as_mut().filter(|_| starts || due) else { return false };
         if starts {
-            self.prepare_scaling(scaling);
+            prepare(groups, step);
         }
-        if let Some(fixed) = scaling.fixed.as_ref().filter(|_| starts) {
+        if let Some(fixed) = step.fixed.as_ref().filter(|_| starts) {
             masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
-            fixed.iter().for_each(|request| self.find_factors(request, &dofs.nodes, &mut masses, FactorSet::Fixed));
+            fixed.iter().for_each(|request| masses.find_factors(groups, request, &dofs.nodes, FactorSet::Fixed));
         }
         for (all, fixed) in masses.factors.iter_mut().zip(&masses.fixed) {
             all.copy_from_slice(fixed);
         }
-        for variable in &scaling.variable {
-            self.find_factors(&variable.request, &dofs.nodes, &mut masses, FactorSet::All);
+        for variable in &step.variable {
+            masses.find_factors(groups, &variable.request, &dofs.nodes, FactorSet::All);
         }
-        self.apply(&mut masses, starts, dofs, changed);
-        self.masses = Some(masses);
+        masses.apply(groups, dofs, changed);
         true
     }
 
-    /// Allocates the memory of the groups that a step scales.
-    fn prepare_scaling(&mut self, scaling: &StepMassScaling) {
-        let requests = scaling.fixed.iter().flatten().chain(scaling.variable.iter().map(|v| &v.request));
-        let groups: BTreeSet<usize> = requests.flat_map(|request| &request.elements).map(|at| at.0).collect();
-        groups.into_iter().for_each(|g| self.groups[g].configure(GroupSetting::MassScales));
+    /// Recomputes the limit of the time increment for elements whose mass has decreased. At the start of a step the elements
+    /// may have been updated already.
+    pub(super) fn raise_limit(&self, groups: &[Box<dyn ElementGroup>], limit: &mut StableLimit, nodes: &Nodes) {
+        let Some(masses) = &self.masses else { return };
+        for (g, factors) in masses.factors.iter().enumerate() {
+            for (e, &factor) in factors.iter().enumerate() {
+                let group = &groups[g];
+                let scaled = masses.scaled(g, e, factor);
+                // The rate of an equation of state that is not scaled is that of its last update.
+                if factor == 1.0 && group.properties().equation_of_state {
+                    continue;
+                }
+                let element_rate = group.stable_rate(e, Some(&scaled), nodes.as_slice());
+                if let Some(rate) = element_rate.filter(|_| !group.is_deleted(e)) {
+                    limit.raise(g, e, rate);
+                }
+            }
+        }
     }
+}
 
+/// Allocates the memory of the groups that a step scales.
+fn prepare(groups: &mut [Box<dyn ElementGroup>], step: &StepMassScaling) {
+    let requests = step.fixed.iter().flatten().chain(step.variable.iter().map(|v| &v.request));
+    let scaled: BTreeSet<usize> = requests.flat_map(|request| &request.elements).map(|at| at.0).collect();
+    scaled.into_iter().for_each(|g| groups[g].configure(GroupSetting::MassScales));
+}
+
+impl ScaledMasses {
     /// Multiplies the current factors by those of one request. The frequency is proportional to the inverse square root
     /// of the mass.
-    fn find_factors(&self, request: &ScalingRequest, nodes: &Nodes, masses: &mut ScaledMasses, which: FactorSet) {
-        let mut factors = std::mem::take(which.of(masses));
-        let of_element = |masses: &[f64], (g, e): (usize, usize)| {
-            let group = &self.groups[g];
-            // A deleted element has no time increment; its mass is unchanged.
-            if group.is_deleted(e) { None } else { group.stable_rate(e, Some(masses), nodes.as_slice()) }
-        };
+    fn find_factors(
+        &mut self,
+        groups: &[Box<dyn ElementGroup>],
+        request: &ScalingRequest,
+        nodes: &Nodes,
+        which: FactorSet,
+    ) {
+        let mut factors = std::mem::take(which.of(self));
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
-            of_element(&masses.elements[g][e], (g, e)).map_or(0.0, |rate| rate / factors[g][e].sqrt())
+            // A deleted element has no time increment; its mass is unchanged.
+            let group = Some(&groups[g]).filter(|group| !group.is_deleted(e));
+            let rate = group.and_then(|group| group.stable_rate(e, Some(&self.elements[g][e]), nodes.as_slice()));
+            rate.map_or(0.0, |rate| rate / factors[g][e].sqrt())
         };
         for &(g, e) in &request.elements {
             factors[g][e] *= request.factor;
@@ -210,74 +247,43 @@ impl Elements {
                 }
             }
         }
-        *which.of(masses) = factors;
+        *which.of(self) = factors;
     }
 
-    /// Applies the factors to elements and nodes. At the start of a step the elements may have been updated already;
-    /// the time increment limit is then recomputed for elements whose mass has decreased.
+    /// Applies the factors to elements and nodes.
     fn apply(
         &mut self,
-        masses: &mut ScaledMasses,
-        starts: bool,
+        groups: &mut [Box<dyn ElementGroup>],
         dofs: &mut Dofs,
         changed: &mut dyn FnMut(usize, [f64; 2]),
     ) {
-        masses.sums.copy_from_slice(&masses.nodes);
-        for (g, group) in self.groups.iter_mut().enumerate() {
-            for e in 0..masses.factors[g].len() {
-                let factor = masses.factors[g][e];
-                let (nodes, unscaled) = (group.nodes(e), masses.elements[g][e]);
+        self.sums.copy_from_slice(&self.nodes);
+        for (g, group) in groups.iter_mut().enumerate() {
+            for e in 0..self.factors[g].len() {
+                let factor = self.factors[g][e];
+                let (nodes, unscaled) = (group.nodes(e), self.elements[g][e]);
                 // Unscaled elements keep the bits of their masses.
-                if factor != masses.applied[g][e] {
-                    group.set_masses(e, &masses.scaled(g, e, factor));
+                if factor != self.applied[g][e] {
+                    group.set_masses(e, &self.scaled(g, e, factor));
                     group.set(e, PointValue::MassScale(factor));
-                    masses.applied[g][e] = factor;
+                    self.applied[g][e] = factor;
                 }
                 for (n, m) in nodes.into_iter().zip(unscaled) {
-                    masses.sums[n as usize] += (factor - 1.0) * m;
+                    self.sums[n as usize] += (factor - 1.0) * m;
                 }
             }
         }
-        for (n, &mass) in masses.sums.iter().enumerate() {
+        for (n, &mass) in self.sums.iter().enumerate() {
             // Nodes of rigid bodies have no mass here.
-            if masses.nodes[n] > 0.0 && mass != dofs.nodes.mass[n] {
+            if self.nodes[n] > 0.0 && mass != dofs.nodes.mass[n] {
                 let gained = dofs.nodes.change_mass(n, mass);
                 dofs.energies.external += gained[0] + gained[1];
                 changed(n, gained);
             }
         }
-        masses.sum_added(&dofs.nodes);
-        if let Some(connectors) = &mut self.connectors {
-            connectors.bound(&dofs.nodes);
-        }
-        self.bound_interfaces(&dofs.nodes);
-        if let Some(damping) = &mut self.damping {
-            damping.update_masses(&self.groups);
-        }
-        if starts {
-            self.update_limit(masses, &dofs.nodes);
-        }
+        self.sum_added(&dofs.nodes);
     }
 
-    fn update_limit(&mut self, masses: &ScaledMasses, nodes: &Nodes) {
-        for (g, factors) in masses.factors.iter().enumerate() {
-            for (e, &factor) in factors.iter().enumerate() {
-                let group = &self.groups[g];
-                let scaled = masses.scaled(g, e, factor);
-                // The rate of an equation of state that is not scaled is that of its last update.
-                if factor == 1.0 && group.properties().equation_of_state {
-                    continue;
-                }
-                let element_rate = group.stable_rate(e, Some(&scaled), nodes.as_slice());
-                if let Some(rate) = element_rate.filter(|_| !group.is_deleted(e)) {
-                    self.raise_limit(g, e, rate);
-                }
-            }
-        }
-    }
-}
-
-impl ScaledMasses {
     /// Sums the mass that scaling has added.
     fn sum_added(&mut self, nodes: &Nodes) {
         self.added = nodes.mass.iter().zip(&self.nodes).map(|(scaled, plain)| scaled - plain).sum();

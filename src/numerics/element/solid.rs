@@ -7,7 +7,7 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::block::{ElementBlock, StoredTask, TASK, TaskWorkspace, across, is_larger};
+use super::block::ElementBlock;
 use super::calls::{CallPass, UserCallBuffers, persist_called_moduli};
 use super::constants::{ElementConstants, damped};
 use super::criteria::{DeletionCriteria, DeletionFilter};
@@ -17,9 +17,11 @@ use super::group::{
     ElementGroup, ElementPass, ElementStiffness, ElementTransfer, ExpansionWork, GroupProperties, GroupSetting,
     GroupTotals, NodalVariable, PARALLEL, SolidElements, UserCalls,
 };
+use super::lane_sums::{TASK, across, is_larger};
 use super::quiescent::TaskQuiescence;
 use super::record::BlockRecord;
 use super::tiles::{TileTasks, blocks_in_ring, with_ring};
+use super::workspace::{StoredTask, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, dispatch_outlined};
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};

@@ -3,8 +3,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
 use super::constants::ElementConstants;
+use super::workspace::{CornerNodes, TaskWorkspace};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, dispatch_outlined};
 use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::quad::{QuadOperators, UNIT, dot3, sums};
@@ -108,33 +108,37 @@ impl<'a, const AREA: bool> StrainMeasurement<'a, AREA> {
     }
 }
 
-impl<S: Clone> ElementBlock<S> {
-    /// Computes strain increments at mid-increment, rotates the stress, and computes the elastic trial stress.
-    #[inline(always)]
-    pub(super) fn strain<M: Material>(
-        &mut self,
-        constants: &ElementConstants,
-        dt: f64,
-        nodes: &CornerNodes,
-        scratch: &mut TaskWorkspace,
-    ) {
-        let (arch, increment) = (scratch.arch, (constants, dt));
-        if constants.by_area && !M::MODULI_VARY {
-            let measurement = StrainMeasurement::<true>::new::<M>(&self.stress, increment, Some(nodes), scratch);
-            dispatch_outlined(arch, measurement);
-        } else {
-            let measurement = StrainMeasurement::<false>::new::<M>(&self.stress, increment, Some(nodes), scratch);
-            dispatch_outlined(arch, measurement);
-        }
+/// Computes strain increments at mid-increment, the stress rotated with the material, and the elastic trial stress of
+/// quadrilaterals.
+#[inline(always)]
+pub(super) fn measure<M: Material>(
+    stress: &[Lanes; 4],
+    constants: &ElementConstants,
+    dt: f64,
+    nodes: &CornerNodes,
+    scratch: &mut TaskWorkspace,
+) {
+    let (arch, increment) = (scratch.arch, (constants, dt));
+    if constants.by_area && !M::MODULI_VARY {
+        let measurement = StrainMeasurement::<true>::new::<M>(stress, increment, Some(nodes), scratch);
+        dispatch_outlined(arch, measurement);
+    } else {
+        let measurement = StrainMeasurement::<false>::new::<M>(stress, increment, Some(nodes), scratch);
+        dispatch_outlined(arch, measurement);
     }
+}
 
-    /// Rotates the stress with the material, and computes the mean and the deviator of the elastic trial stress, for
-    /// the gradients of [`TaskWorkspace::set_gradients`].
-    #[inline(always)]
-    pub(super) fn trial<M: Material>(&mut self, constants: &ElementConstants, dt: f64, scratch: &mut TaskWorkspace) {
-        let arch = scratch.arch;
-        dispatch_outlined(arch, StrainMeasurement::<false>::new::<M>(&self.stress, (constants, dt), None, scratch));
-    }
+/// Computes the stress rotated with the material, and the mean and the deviator of the elastic trial stress, for the
+/// gradients of [`TaskWorkspace::set_gradients`].
+#[inline(always)]
+pub(super) fn measure_gradients<M: Material>(
+    stress: &[Lanes; 4],
+    constants: &ElementConstants,
+    dt: f64,
+    scratch: &mut TaskWorkspace,
+) {
+    let arch = scratch.arch;
+    dispatch_outlined(arch, StrainMeasurement::<false>::new::<M>(stress, (constants, dt), None, scratch));
 }
 
 impl<const AREA: bool> WithSimd for StrainMeasurement<'_, AREA> {
@@ -143,7 +147,7 @@ impl<const AREA: bool> WithSimd for StrainMeasurement<'_, AREA> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         if let Some(nodes) = self.nodes {
-            self.scratch.combine_corners(nodes);
+            combine_corners(self.scratch, nodes);
         }
         for index in 0..PackPosition::<S>::COUNT {
             let position = PackPosition::new(simd, index);
@@ -153,18 +157,16 @@ impl<const AREA: bool> WithSimd for StrainMeasurement<'_, AREA> {
     }
 }
 
-impl TaskWorkspace {
-    /// Combines coordinates and velocities of the corners by [`sums`].
-    #[inline(always)]
-    fn combine_corners(&mut self, nodes: &CornerNodes) {
-        for l in 0..LANES {
-            let ([r, z], [v_r, v_z]) = (nodes.places(l).inline_map(sums), nodes.velocities(l).inline_map(sums));
-            for i in 0..4 {
-                self.r[i][l] = r[i];
-                self.z[i][l] = z[i];
-                self.v_r[i][l] = v_r[i];
-                self.v_z[i][l] = v_z[i];
-            }
+/// Combines coordinates and velocities of the corners by [`sums`].
+#[inline(always)]
+fn combine_corners(scratch: &mut TaskWorkspace, nodes: &CornerNodes) {
+    for l in 0..LANES {
+        let ([r, z], [v_r, v_z]) = (nodes.places(l).inline_map(sums), nodes.velocities(l).inline_map(sums));
+        for i in 0..4 {
+            scratch.r[i][l] = r[i];
+            scratch.z[i][l] = z[i];
+            scratch.v_r[i][l] = v_r[i];
+            scratch.v_z[i][l] = v_z[i];
         }
     }
 }

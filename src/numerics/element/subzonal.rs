@@ -5,7 +5,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::block::{CornerNodes, TaskWorkspace, is_larger};
+use super::lane_sums::is_larger;
+use super::workspace::{CornerNodes, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined};
 use crate::kernel::quad::{UNIT, VolumeGradient, at_corners, volume_gradient};
 use crate::state::archive::Persist;
@@ -80,6 +81,35 @@ impl SubzonalPressures {
         }
         zones
     }
+
+    /// Adds the pressure forces of the quarters at one corner. Equation (7.11).
+    #[inline(always)]
+    fn add_quarter<const CORNER: usize>(
+        &mut self,
+        scratch: &TaskWorkspace,
+        (whole, nodes): (&Lanes, &CornerNodes),
+        inverse_mass: &[Lanes; 4],
+        answers: &mut SubzonalForces,
+    ) {
+        for l in 0..LANES {
+            let ([r, z], [v_r, v_z]) = (nodes.places(l), nodes.velocities(l));
+            let VolumeGradient { volume, by_r, by_z } = quarter(CORNER, &r, &z);
+            let nominal = self.share[CORNER][l] * whole[l];
+            let bounded = if volume > LEAST * nominal { volume } else { LEAST * nominal };
+            let pressure =
+                limited(scratch.stress.bulk[l] * (nominal / bounded - 1.0), scratch.stress.tension_excess[l]);
+            let mean = 0.5 * (self.pressure[CORNER][l] + pressure);
+            self.pressure[CORNER][l] = pressure;
+            let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
+            let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
+            for i in 0..4 {
+                answers.forces[i][0][l] += pressure * by_r[i];
+                answers.forces[i][1][l] += pressure * by_z[i];
+            }
+            answers.power[l] -= mean * ((growth(0) + growth(1)) + (growth(2) + growth(3)));
+            answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / bounded;
+        }
+    }
 }
 
 /// Results of the quarters of a block: forces over [`UNIT`], power, and the trace that bounds the time increment.
@@ -105,99 +135,69 @@ impl WithSimd for SubzonalUpdate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let SubzonalUpdate { scratch, zones, increment, nodes, inverse_mass, corners } = self;
-        scratch.add_subzonal_forces(zones, increment, nodes, inverse_mass, corners);
+        add_subzonal_forces(scratch, zones, increment, nodes, inverse_mass, corners);
     }
 }
 
-impl TaskWorkspace {
-    /// Adds the forces of the quarters to the corner forces, their work to the artificial energy, and limits the time
-    /// increment. Does nothing without subzonal pressures. `damping` is the hourglass viscosity as a fraction of
-    /// critical damping.
-    pub(super) fn resist_patterns(
-        &mut self,
-        increment: (f64, f64),
-        nodes: &CornerNodes,
-        inverse_mass: &[Lanes; 4],
-        corners: &mut BlockCornerForces,
-    ) {
-        let Some(zones) = self.task.subzones.get(self.at).copied() else { return };
-        let arch = self.arch;
-        dispatch_outlined(arch, SubzonalUpdate { scratch: self, zones, increment, nodes, inverse_mass, corners });
-    }
+/// Adds the forces of the quarters to the corner forces, their work to the artificial energy, and limits the time
+/// increment. Does nothing without subzonal pressures. `damping` is the hourglass viscosity as a fraction of
+/// critical damping.
+pub(super) fn resist_patterns(
+    scratch: &mut TaskWorkspace,
+    increment: (f64, f64),
+    nodes: &CornerNodes,
+    inverse_mass: &[Lanes; 4],
+    corners: &mut BlockCornerForces,
+) {
+    let Some(zones) = scratch.task.subzones.get(scratch.at).copied() else { return };
+    let arch = scratch.arch;
+    dispatch_outlined(arch, SubzonalUpdate { scratch, zones, increment, nodes, inverse_mass, corners });
+}
 
-    /// Equation (7.12).
-    #[inline(always)]
-    fn add_subzonal_forces(
-        &mut self,
-        mut zones: SubzonalPressures,
-        (dt, damping): (f64, f64),
-        nodes: &CornerNodes,
-        inverse_mass: &[Lanes; 4],
-        corners: &mut BlockCornerForces,
-    ) {
-        let inverse_mass = &by_corner(inverse_mass);
-        let mut whole = [0.0; LANES];
-        let mut answers = SubzonalForces { forces: [[[0.0; LANES]; 2]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
-        // The trace of the stiffness of the quarters relative to that of the whole element bounds the square of their
-        // highest frequency.
+/// Equation (7.12).
+#[inline(always)]
+fn add_subzonal_forces(
+    scratch: &mut TaskWorkspace,
+    mut zones: SubzonalPressures,
+    (dt, damping): (f64, f64),
+    nodes: &CornerNodes,
+    inverse_mass: &[Lanes; 4],
+    corners: &mut BlockCornerForces,
+) {
+    let inverse_mass = &by_corner(inverse_mass);
+    let mut whole = [0.0; LANES];
+    let mut answers = SubzonalForces { forces: [[[0.0; LANES]; 2]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
+    // The trace of the stiffness of the quarters relative to that of the whole element bounds the square of their
+    // highest frequency.
+    for l in 0..LANES {
+        let [r, z] = nodes.places(l);
+        let VolumeGradient { volume, by_r, by_z } = volume_gradient(r, z);
+        let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
+        whole[l] = volume;
+        answers.stiff[l] = -((light(0) + light(1)) + (light(2) + light(3))) / volume;
+    }
+    zones.add_quarter::<0>(scratch, (&whole, nodes), inverse_mass, &mut answers);
+    zones.add_quarter::<1>(scratch, (&whole, nodes), inverse_mass, &mut answers);
+    zones.add_quarter::<2>(scratch, (&whole, nodes), inverse_mass, &mut answers);
+    zones.add_quarter::<3>(scratch, (&whole, nodes), inverse_mass, &mut answers);
+    for (to, list) in corners.iter_mut().zip(&answers.forces) {
         for l in 0..LANES {
-            let [r, z] = nodes.places(l);
-            let VolumeGradient { volume, by_r, by_z } = volume_gradient(r, z);
-            let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
-            whole[l] = volume;
-            answers.stiff[l] = -((light(0) + light(1)) + (light(2) + light(3))) / volume;
-        }
-        self.add_quarter::<0>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
-        self.add_quarter::<1>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
-        self.add_quarter::<2>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
-        self.add_quarter::<3>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
-        for (to, list) in corners.iter_mut().zip(&answers.forces) {
-            for l in 0..LANES {
-                to[0][l] += UNIT * list[0][l];
-                to[1][l] += UNIT * list[1][l];
-            }
-        }
-        let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
-        for l in 0..LANES {
-            self.sums.artificial[l] += dt * UNIT * self.weight[l] * answers.power[l];
-            let square = UNIT * self.stress.bulk[l] * answers.stiff[l];
-            let rate = self.weight[l] * (if square > 0.0 { square } else { 0.0 }).sqrt() * damped;
-            let (best, limiting) = (self.sums.rate[l], self.sums.limiting[l]);
-            let larger = is_larger(rate, best);
-            self.sums.rate[l] = if larger { rate } else { best };
-            self.sums.limiting[l] = if larger { block } else { limiting };
-        }
-        if let Some(place) = self.task.subzones.get_mut(self.at) {
-            *place = zones;
+            to[0][l] += UNIT * list[0][l];
+            to[1][l] += UNIT * list[1][l];
         }
     }
-
-    /// Adds the pressure forces of the quarters at one corner. Equation (7.11).
-    #[inline(always)]
-    fn add_quarter<const CORNER: usize>(
-        &self,
-        zones: &mut SubzonalPressures,
-        (whole, nodes): (&Lanes, &CornerNodes),
-        inverse_mass: &[Lanes; 4],
-        answers: &mut SubzonalForces,
-    ) {
-        for l in 0..LANES {
-            let ([r, z], [v_r, v_z]) = (nodes.places(l), nodes.velocities(l));
-            let VolumeGradient { volume, by_r, by_z } = quarter(CORNER, &r, &z);
-            let nominal = zones.share[CORNER][l] * whole[l];
-            let bounded = if volume > LEAST * nominal { volume } else { LEAST * nominal };
-            let pressure = limited(self.stress.bulk[l] * (nominal / bounded - 1.0), self.stress.tension_excess[l]);
-            let mean = 0.5 * (zones.pressure[CORNER][l] + pressure);
-            zones.pressure[CORNER][l] = pressure;
-            let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
-            let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
-            for i in 0..4 {
-                answers.forces[i][0][l] += pressure * by_r[i];
-                answers.forces[i][1][l] += pressure * by_z[i];
-            }
-            answers.power[l] -= mean * ((growth(0) + growth(1)) + (growth(2) + growth(3)));
-            answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / bounded;
-        }
+    let (block, damped) = (scratch.number(), damping + (1.0 + damping * damping).sqrt());
+    for l in 0..LANES {
+        scratch.sums.artificial[l] += dt * UNIT * scratch.weight[l] * answers.power[l];
+        let square = UNIT * scratch.stress.bulk[l] * answers.stiff[l];
+        let rate = scratch.weight[l] * (if square > 0.0 { square } else { 0.0 }).sqrt() * damped;
+        let (best, limiting) = (scratch.sums.rate[l], scratch.sums.limiting[l]);
+        let larger = is_larger(rate, best);
+        scratch.sums.rate[l] = if larger { rate } else { best };
+        scratch.sums.limiting[l] = if larger { block } else { limiting };
+    }
+    if let Some(place) = scratch.task.subzones.get_mut(scratch.at) {
+        *place = zones;
     }
 }
 

@@ -6,7 +6,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::block::TASK;
+use super::lane_sums::TASK;
 use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::lists::Memory;

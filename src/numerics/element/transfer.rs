@@ -1,8 +1,9 @@
 //! Variables of elements that move through a mesh that does not follow the material: read from all elements of an
 //! adaptive mesh domain, and written back after the transport.
 
-use super::block::{ElementBlock, TASK};
+use super::block::ElementBlock;
 use super::group::{ArrivedElements, ElementTransfer};
+use super::lane_sums::TASK;
 use super::quad::QuadGroup;
 use super::solid::lanes_of;
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, PACK, Pack, column};

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::constants::CHANGE;
-use super::elements::Elements;
 use super::group::ElementGroup;
+use super::stable_limit::StableLimit;
 use crate::kernel::chunks::{CHUNK, chunks_of};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
@@ -14,32 +14,26 @@ use crate::state::nodes::Nodes;
 /// zero before the first increment, and suddenly released loads change them most.
 pub const STARTING: u64 = 100;
 
-impl Elements {
-    /// Limits the time increment by the rate of volume change of elements and by the accelerations at this instant:
-    /// over the increment dt the rate is g + a (dt0 + dt)/2, where dt0 is the previous increment.
-    pub fn guard_start(&mut self, nodes: &Nodes) {
-        for group in 0..self.groups.len() {
-            // Shells limit the increment by their own rates.
-            if !self.groups[group].is_solid() {
-                continue;
-            }
-            let (elements, least) = (&*self.groups[group], self.limit.0.rate);
-            let of_chunk = |chunk: usize| {
-                let mut largest = (0, least);
-                for element in chunk * CHUNK..elements.len().min((chunk + 1) * CHUNK) {
-                    if let Some(rate) = larger_rate(elements, element, nodes, largest.1) {
-                        largest = (element, rate);
-                    }
+/// Limits the time increment by the rate of volume change of elements and by the accelerations at this instant:
+/// over the increment dt the rate is g + a (dt0 + dt)/2, where dt0 is the previous increment.
+pub fn guard_start(groups: &[Box<dyn ElementGroup>], limit: &mut StableLimit, nodes: &Nodes) {
+    // Shells limit the increment by their own rates.
+    for (group, elements) in groups.iter().enumerate().filter(|(_, elements)| elements.is_solid()) {
+        let (elements, least) = (&**elements, limit.totals.rate);
+        let of_chunk = |chunk: usize| {
+            let mut largest = (0, least);
+            for element in chunk * CHUNK..elements.len().min((chunk + 1) * CHUNK) {
+                if let Some(rate) = larger_rate(elements, element, nodes, largest.1) {
+                    largest = (element, rate);
                 }
-                largest
-            };
-            let chunks = (0..chunks_of(elements.len())).into_par_iter();
-            // The first of equal rates, for any number of threads.
-            let (element, rate) = chunks
-                .map(of_chunk)
-                .reduce(|| (0, least), |before, after| if after.1 > before.1 { after } else { before });
-            self.raise_limit(group, element, rate);
-        }
+            }
+            largest
+        };
+        let chunks = (0..chunks_of(elements.len())).into_par_iter();
+        // The first of equal rates, for any number of threads.
+        let (element, rate) =
+            chunks.map(of_chunk).reduce(|| (0, least), |before, after| if after.1 > before.1 { after } else { before });
+        limit.raise(group, element, rate);
     }
 }
 

@@ -284,7 +284,7 @@ impl TemperatureField {
         threads: bool,
     ) {
         self.apply_prescribed(clock);
-        if self.conduction_times.begin(clock.now.total_time, dofs.nodes.previous_dt, elements.deleted()) {
+        if self.conduction_times.begin(clock.now.total_time, dofs.nodes.previous_dt, elements.deletions.count()) {
             self.evaluate_conduction(elements, dofs, threads);
         }
         let TemperatureField { conductors, temperature, power, exchange, .. } = self;
@@ -493,7 +493,7 @@ impl TemperatureField {
             if !self.adaptive.contains(&index) {
                 self.adaptive.push(index);
             }
-            self.take_masses(index, |e| elements.unscaled_masses(index, e));
+            self.take_masses(index, |e| elements.mass_scaling.unscaled_masses(&elements.groups, index, e));
         }
     }
 
@@ -502,7 +502,7 @@ impl TemperatureField {
         let is_due = self.conduction_times.is_due;
         for i in 0..self.adaptive.len() {
             let index = self.adaptive[i];
-            self.take_masses(index, |e| elements.unscaled_masses(index, e));
+            self.take_masses(index, |e| elements.mass_scaling.unscaled_masses(&elements.groups, index, e));
         }
         self.conduction_times.is_due = is_due;
     }

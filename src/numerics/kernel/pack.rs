@@ -106,7 +106,7 @@ impl<S: Simd> Pack<S> {
     }
 
     /// Returns `yes` where the number replaces the largest rate so far, otherwise `no`
-    /// ([`crate::element::block::is_larger`]).
+    /// ([`crate::element::lane_sums::is_larger`]).
     #[inline(always)]
     pub fn if_larger_rate(self, largest: Self, yes: Self, no: Self) -> Self {
         let simd = self.simd;

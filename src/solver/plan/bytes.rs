@@ -85,7 +85,7 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
     let of_mass = ledger.effects.iter().any(|row| row.effect == "mass proportional damping");
     let damping = if of_mass { "mass proportional damping" } else { "stiffness proportional damping" };
     let named = [
-        ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
+        ("area weighting", "rings", elements.assembly.rings.as_ref().map_or(0, |r| r.bytes())),
         ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.memory().used).sum()),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
         ("cohesive elements", "bounds", elements.interfaces.as_ref().map_or(0, |i| i.bytes())),
@@ -93,14 +93,9 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         ("characteristic length", "elements", elements.lengths.iter().map(|l| l.bytes()).sum()),
         ("predefined fields", "values", elements.fields.as_ref().map_or(0, |f| f.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
-        ("mass scaling", "masses", elements.bytes_of_masses()),
+        ("mass scaling", "masses", elements.mass_scaling.bytes()),
         ("erosion", "elements", elements.bytes_of_erosion()),
-        (
-            "record of deleted elements",
-            "elements and nodes",
-            elements.removed.as_ref().map_or(0, |r| r.bytes())
-                + elements.free_nodes.as_ref().map_or(0, |free| free.bytes()),
-        ),
+        ("record of deleted elements", "elements and nodes", elements.deletions.bytes_of_record()),
     ];
     for (effect, name, bytes) in named {
         let row = ledger.effects.iter().position(|row| row.effect == effect);

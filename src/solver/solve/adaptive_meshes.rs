@@ -46,11 +46,11 @@ impl Surroundings for ContactSurroundings<'_> {
     }
 
     fn keeps_gaps(&self, node: usize) -> bool {
-        self.contacts().any(|contact| contact.keeps_gaps(PointCarrier::Node(node)))
+        self.contacts().any(|contact| contact.system.keeps_gaps(PointCarrier::Node(node)))
     }
 
     fn place_on_surface(&self, node: usize, place: [f64; 2]) -> Option<[f64; 2]> {
-        let mut places = self.contacts().map(|c| c.place_on_surface(PointCarrier::Node(node), place, self.dofs));
+        let mut places = self.contacts().map(|c| c.system.place_on_surface(PointCarrier::Node(node), place, self.dofs));
         places.next().flatten()
     }
 }
@@ -136,7 +136,7 @@ pub(super) fn adapt_meshes(state: &mut State, now: Instant, dt: f64, timing: &mu
         is_any_due |= domain.is_due(now.increment);
     }
     if is_any_due {
-        follow_by_contact(state, timing, |contact, dofs, _| contact.begin_mesh_motion(dofs));
+        follow_by_contact(state, timing, |contact, dofs, _| contact.system.begin_mesh_motion(dofs));
         find_new_places(state, timing);
         follow_by_contact(state, timing, |contact, dofs, domains| contact.follow_meshes(dofs, domains));
         change_meshes(state, dt, timing);

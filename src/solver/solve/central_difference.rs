@@ -54,7 +54,7 @@ impl NodePass<'_> {
                 continue;
             }
             let forces = &mut forces[..count];
-            self.elements.nodal_forces(first, forces);
+            self.elements.assembly.sum(first, forces);
             if !more.is_empty() {
                 for (force, more) in forces.iter_mut().zip(&more[first..first + count]) {
                     *force = [force[0] + more[0], force[1] + more[1]];
@@ -123,9 +123,10 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64) {
 mod tests {
     use super::{accelerate_nodes, advance_nodes, chunk_energies};
     use crate::element::constants::{ElementConstants, HourglassControl};
-    use crate::element::elements::{Elements, GroupTiming};
+    use crate::element::elements::Elements;
     use crate::element::frequency::{ConstrainedNodes, HighestFrequency};
     use crate::element::quad::QuadGroup;
+    use crate::element::timing::GroupTiming;
     use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
     use crate::material::plasticity::ElasticOnly;
@@ -267,14 +268,18 @@ mod tests {
             let mut free = mesh.free(BulkViscosity::default(), false);
             if let Some(tasks) = tasks {
                 let bytes = free.elements.bytes_of_gather();
-                free.elements.tile_by([(0, 2000)].into_iter(), |_| tasks);
+                let Elements { groups, assembly, .. } = &mut free.elements;
+                assembly.tile_by(groups, [(0, 2000)].into_iter(), |_| tasks);
                 assert!(free.elements.bytes_of_gather() < bytes);
             }
             let mut bits = Vec::new();
             for _ in 0..700 {
                 free.evaluate_on(threads);
-                bits.push(free.elements.corner_force(0, 2000, 1).map(f64::to_bits));
-                bits.extend((0..mesh.nodes.len()).step_by(97).map(|n| free.elements.nodal_force(n).map(f64::to_bits)));
+                let Elements { groups, assembly, .. } = &free.elements;
+                bits.push(assembly.corner_force(groups, (0, 2000), 1).map(f64::to_bits));
+                bits.extend(
+                    (0..mesh.nodes.len()).step_by(97).map(|n| free.elements.assembly.node_force(n).map(f64::to_bits)),
+                );
                 let dt = 0.9 * free.elements.stable_increment();
                 free.advance(dt);
             }

@@ -11,7 +11,7 @@ use crate::constraint::contact::ContactConstraint;
 use crate::constraint::tie::TiedNodes;
 use crate::constraint::{of_kind, of_kind_mut};
 use crate::element::user_field::NodalFieldInput;
-use crate::element::volume_guard::STARTING;
+use crate::element::volume_guard::{STARTING, guard_start};
 use crate::kernel::lanes::InlineMap;
 use crate::load::{LoadForces, SceneChange, SceneView, TargetDissipation};
 use crate::plan::State;
@@ -150,7 +150,8 @@ impl SolverRun<'_> {
     fn transfer_to_bodies(&mut self) {
         let State { elements, dofs, constraints, .. } = &self.current.state;
         let force = |n: usize| {
-            let ([r, z], more) = (elements.nodal_force(n), dofs.nodes.forces[0].get(n).copied().unwrap_or_default());
+            let ([r, z], more) =
+                (elements.assembly.node_force(n), dofs.nodes.forces[0].get(n).copied().unwrap_or_default());
             [r + more[0], z + more[1]]
         };
         for (tie, sum) in of_kind::<TiedNodes>(constraints).zip(&mut self.current.body_forces.values) {
@@ -161,7 +162,7 @@ impl SolverRun<'_> {
     /// Informs loads, constraints and heat about the elements that were deleted in this increment.
     fn release_faces(&mut self) {
         let State { elements, loads, constraints, thermal, .. } = &mut self.current.state;
-        let deleted = elements.newly_deleted();
+        let deleted = elements.deletions.newly_deleted();
         if !deleted.is_empty() {
             loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
             of_kind_mut::<ContactConstraint>(constraints).for_each(|contact| contact.remove_elements(deleted));
@@ -177,8 +178,9 @@ impl SolverRun<'_> {
         // Taken out of the state, because loads read the state.
         let mut forces = std::mem::take(&mut dofs.nodes.forces[0]);
         let mut dissipated = TargetDissipation::default();
-        let rings = elements.ring_factors();
-        let element_force = |n: usize| elements.nodal_force(n).inline_map(|f| rings.map_or(f, |rings| rings[n] * f));
+        let rings = elements.assembly.ring_factors();
+        let element_force =
+            |n: usize| elements.assembly.node_force(n).inline_map(|f| rings.map_or(f, |rings| rings[n] * f));
         let view = SceneView {
             clock: AmplitudeClock { now: *now, user_amplitudes },
             dofs,
@@ -233,7 +235,7 @@ impl SolverRun<'_> {
         dofs.nodes.work_pending = false;
         // A fixed increment ignores the stable time increment.
         if has_nodes && now.increment < STARTING && !step.is_fixed() {
-            elements.guard_start(&dofs.nodes);
+            guard_start(&elements.groups, &mut elements.limit, &dofs.nodes);
         }
         if dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) {
             Ok(())

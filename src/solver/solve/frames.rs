@@ -148,7 +148,7 @@ impl RunState<'_> {
         for member in members {
             match *member {
                 ColumnSource::Element(group, e) => {
-                    self.state.elements.add_to_part(&mut totals, (group, e), &self.state.dofs.nodes);
+                    totals.add(&self.state.elements, (group, e), &self.state.dofs.nodes);
                 }
                 ColumnSource::Body { body, .. } => {
                     let (state, velocity) = (&self.state.dofs.bodies[body], self.state.dofs.velocity(Dof::Body(body)));
@@ -175,8 +175,9 @@ impl RunState<'_> {
         let nodes = &self.state.dofs.nodes;
         match part.variable {
             Variable::SurfaceForce => {
+                let elements = &self.state.elements;
                 let force = |&ElementCorner { group, element, corner }: &ElementCorner| {
-                    self.state.elements.corner_force(group, element, corner)[part.component]
+                    elements.assembly.corner_force(&elements.groups, (group, element), corner)[part.component]
                 };
                 -section.corners.iter().map(force).sum::<f64>()
             }
@@ -235,7 +236,7 @@ impl RunState<'_> {
             return value;
         }
         if part.variable == Variable::MassScalingFactor {
-            return self.state.elements.mass_factor(group, e).unwrap_or(f64::NAN);
+            return self.state.elements.mass_scaling.factor(group, e).unwrap_or(f64::NAN);
         }
         values::value(&*self.state.elements.groups[group], self.state.dofs.nodes.as_slice(), e, part)
             .unwrap_or(f64::NAN)

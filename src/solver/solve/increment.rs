@@ -114,7 +114,7 @@ impl RunState<'_> {
             clock: self.clock(),
             dofs: &self.state.dofs,
             velocity_extrapolation: self.velocity_extrapolation,
-            rings: self.state.elements.ring_factors(),
+            rings: self.state.elements.assembly.ring_factors(),
             element_force: None,
         }
     }

@@ -34,14 +34,14 @@ pub(super) struct MassMonitor {
 impl MassMonitor {
     /// Returns the mass that scaling has added; `None` without mass scaling.
     fn added_mass_places(&self, elements: &Elements) -> Option<AddedMassPlaces> {
-        let AddedMass { added, linked, .. } = elements.added_mass()?;
+        let AddedMass { added, linked, .. } = elements.mass_scaling.added_mass()?;
         let rigid_bodies = self.added_to_bodies;
         Some(AddedMassPlaces { free_nodes: added - linked, linked_nodes: linked, rigid_bodies })
     }
 
     /// Returns the added mass in percent of the original mass of the deformable bodies; `None` without mass scaling.
     pub(super) fn added_percent(&self, elements: &Elements) -> Option<f64> {
-        let original = elements.added_mass()?.original;
+        let original = elements.mass_scaling.added_mass()?.original;
         Some(100.0 * self.added_mass_places(elements)?.total() / original)
     }
 
@@ -91,7 +91,7 @@ fn scale_bodies(run: &mut RunState<'_>) -> f64 {
     let (mut energy, starts) = (0.0, run.previous_dt == 0.0);
     run.masses.added_to_bodies = 0.0;
     for tie in of_kind::<TiedNodes>(constraints) {
-        let added = elements.mass_added_to_body(&tie.nodes);
+        let added = elements.mass_scaling.added_to_body(&tie.nodes);
         let mass = run.masses.bodies[tie.body] + added;
         run.masses.added_to_bodies += added;
         let body = &mut dofs.bodies[tie.body];

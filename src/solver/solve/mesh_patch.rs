@@ -10,7 +10,8 @@ use crate::remesh::{BodyMesh, MeshRevision};
 /// are transferred by sums over the whole body.
 pub(super) fn can_have_patch(run: &RunState<'_>, planned: &RemeshedBody, living: &[usize]) -> bool {
     let RunState { state, .. } = run;
-    let has_scaling = (0..planned.elements.len()).any(|i| state.elements.scaling_of(planned.group, i).is_some());
+    let has_scaling =
+        (0..planned.elements.len()).any(|i| state.elements.mass_scaling.factors_of(planned.group, i).is_some());
     let whole = living.len() == planned.quads.len();
     planned.automatic && whole && !has_scaling && state.thermal.is_none() && state.adaptive.is_empty()
 }

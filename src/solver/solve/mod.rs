@@ -255,7 +255,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     if sink.wants_digest() {
         outcome.digest = digest::digest(&current);
     }
-    outcome.deleted = current.state.elements.deleted();
+    outcome.deleted = current.state.elements.deletions.count();
     outcome.new_meshes = remesh.counts(plan);
     outcome.added_rows = mesh_quality::added_rows(plan);
     outcome.mesh_shape = mesh_quality::shape_of(&current.state);

@@ -7,6 +7,7 @@ use super::run_state::RunState;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::equation::EquationConstraint;
 use crate::constraint::{PreviousPlace, of_kind_mut, prescribed_motions};
+use crate::element::elements::Elements;
 use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
 use crate::element::user_field::NodalFieldInput;
@@ -157,7 +158,8 @@ impl MeshChange<'_> {
         }
         let living = LivingElements::new(self.old_body, living);
         let (scaled, factors) = (living.masses(self.old), living.factors(self.old));
-        self.old.elements.remove_scaling(self.old_body.group);
+        let Elements { groups, mass_scaling, .. } = &mut self.old.elements;
+        mass_scaling.remove_from(groups, self.old_body.group);
         let old_masses = living.masses(self.old);
         let volumes = living.material_volumes(self.old, old_mesh);
         let unchanged = &revision.origins[..revision.unchanged];
@@ -270,7 +272,8 @@ impl MeshChange<'_> {
             (arrived.masses[*e as usize], arrived.factors[*e as usize]) = (moved.masses[i], factors[i]);
         }
         let State { elements, scaling, .. } = &mut *self.state;
-        elements.follow_scaling(&self.old.elements, self.body.group, &arrived);
+        let Elements { groups, mass_scaling, .. } = elements;
+        mass_scaling.follow_new_mesh(groups, &self.old.elements.mass_scaling, self.body.group, &arrived);
         if let (Some(scaling), Some(previous)) = (scaling, &self.old.scaling) {
             copy_state(&mut previous.clone(), scaling);
         }
@@ -343,14 +346,14 @@ impl MeshChange<'_> {
 
     /// Takes which elements of other bodies are deleted, and informs loads and contact about the deleted elements again.
     fn follow_deletions(&mut self, places: &[Option<PreviousPlace>]) {
-        if self.old.elements.deleted() == 0 {
+        if self.old.elements.deletions.count() == 0 {
             return;
         }
         let moved = places.iter().enumerate().filter_map(|(n, place)| Some((place.as_ref()?.node()? as u32, n as u32)));
         let new_nodes: HashMap<u32, u32> = moved.collect();
         let State { elements, loads, constraints, .. } = &mut *self.state;
         elements.follow_deletions(&self.old.elements, self.body.group, |n| new_nodes.get(&n).copied());
-        let deleted = elements.deleted_boundaries();
+        let deleted = elements.deletions.boundaries();
         loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
         of_kind_mut::<ContactConstraint>(constraints).for_each(|contact| contact.remove_elements(deleted));
     }
@@ -417,7 +420,7 @@ impl LivingElements {
 
     /// Returns the factors of mass scaling; empty without it.
     fn factors(&self, state: &State) -> Vec<[f64; 2]> {
-        self.elements.iter().filter_map(|e| state.elements.scaling_of(self.group, *e as usize)).collect()
+        self.elements.iter().filter_map(|e| state.elements.mass_scaling.factors_of(self.group, *e as usize)).collect()
     }
 
     /// Returns the volumes of the material; those of the elements if no pressure follows from the density.

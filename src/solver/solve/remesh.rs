@@ -371,7 +371,7 @@ fn body_revision(
     let limited = model.remeshings[body].limits.apply(&old, strain);
     let place_between = |ends: [u32; 2], share| {
         let ends = ends.inline_map(|n| planned.nodes[n as usize]);
-        run.contacts().find_map(|contact| contact.place_between(ends, share, &run.state.dofs))
+        run.contacts().find_map(|contact| contact.system.place_between(ends, share, &run.state.dofs))
     };
     let rules = OutlineRules { kept: &kept, fixed: &[], place: &place_between };
     let allows_patch = monitor.bodies[body].allows_patch() && can_have_patch(run, planned, &living);
@@ -399,7 +399,8 @@ fn node_places(run: &RunState<'_>, model: &Model) -> Vec<[f64; 2]> {
 
 /// Returns the mass of an element without mass scaling.
 fn mass_of(elements: &Elements, group: usize, element: usize) -> f64 {
-    elements.groups[group].masses(element).into_iter().sum::<f64>() * elements.unscaled_shares(group, element)[0]
+    elements.groups[group].masses(element).into_iter().sum::<f64>()
+        * elements.mass_scaling.unscaled_shares(group, element)[0]
 }
 
 /// Returns which elements of a mesh have failed, stay, and have expanded: cracks have separated them into fragments. `element`
@@ -461,7 +462,7 @@ fn kinetic_energy(dofs: &Dofs) -> f64 {
 fn complete_velocities(state: &mut State) -> f64 {
     let State { constraints, dofs, .. } = state;
     let contacts = of_kind_mut::<ContactConstraint>(constraints);
-    contacts.fold(kinetic_energy(dofs), |kinetic, contact| kinetic + contact.complete_velocities(dofs))
+    contacts.fold(kinetic_energy(dofs), |kinetic, contact| kinetic + contact.system.complete_velocities(dofs))
 }
 
 /// Evaluates the forces of the new mesh at the instant at which the old one was left. `old_kinetic` is the kinetic energy

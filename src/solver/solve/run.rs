@@ -301,7 +301,7 @@ impl<'a> SolverRun<'a> {
         adapt_meshes(state, *now, dt, &mut self.timing);
         self.released.accelerate(&mut state.dofs.nodes, dt);
         advance_nodes(&state.elements, &mut state.dofs, dt);
-        if let Some(free) = &state.elements.free_nodes {
+        if let Some(free) = &state.elements.deletions.free_nodes {
             free.reflect(&mut state.dofs.nodes);
         }
         state.elements.mark_moved();

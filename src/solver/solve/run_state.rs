@@ -92,7 +92,7 @@ impl<'a> RunState<'a> {
 
     pub(super) fn energy(&self) -> Energy {
         let heat = self.state.heat().map(TemperatureField::energies);
-        let removed = self.state.elements.removed.as_ref().map(|r| r.totals(&self.state.dofs.nodes));
+        let removed = self.state.elements.deletions.record.as_ref().map(|r| r.totals(&self.state.dofs.nodes));
         let (external, internal) = (heat.map(|h| h.external), heat.map(|h| h.internal));
         let added_mass = self.state.scaling.as_ref().and_then(|_| self.masses.added_percent(&self.state.elements));
         Energy { heat: external, internal_heat: internal, removed, added_mass, ..self.balance.energy() }

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant as Stopwatch;
 
 use super::position::RunPosition;
-use crate::element::elements::GroupTiming;
+use crate::element::timing::GroupTiming;
 use crate::plan::Plan;
 use crate::plan::ledger::{Ledger, LedgerRow};
 use crate::state::EffectId;

@@ -473,7 +473,7 @@ impl RunReport {
                 100.0 * contact,
                 100.0 * friction
             ));
-        } else if contact > ABSORBED[usize::from(run.state.elements.deleted() > 0)] {
+        } else if contact > ABSORBED[usize::from(run.state.elements.deletions.count() > 0)] {
             self.outcome.warn("R309", name_absorbed_energy(run, contact));
         }
     }
@@ -532,7 +532,7 @@ fn name_slowest(run: &RunState<'_>, (group, element): (usize, usize)) -> String 
 
 /// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the energy put in.
 fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
-    let (why, cure) = match run.state.elements.deleted() {
+    let (why, cure) = match run.state.elements.deletions.count() {
         0 => ("", "smaller elements at the surfaces that hit reduce it in proportion to their size".to_owned()),
         deleted => (
             "; newly exposed faces and nodes without elements do so again and again",

@@ -18,7 +18,7 @@ mod strength;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use super::shared::CopyOnWrite;
 use super::units::DeckUnits;
@@ -146,6 +146,12 @@ impl Model {
     /// Returns whether a material has an equation of state.
     pub fn has_equation_of_state(&self) -> bool {
         self.materials.iter().any(|material| material.eos.is_some())
+    }
+
+    /// Returns the names of the sensors of all steps, each once: `*OUTPUT, HISTORY, SENSOR, NAME=`.
+    pub fn sensor_names(&self) -> Vec<String> {
+        let names = self.steps.iter().flat_map(|step| &step.outputs).filter_map(|request| request.sensor.clone());
+        names.collect::<IndexSet<String>>().into_iter().collect()
     }
 }
 

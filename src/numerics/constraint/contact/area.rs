@@ -8,7 +8,9 @@
 //! facet length, because the discrete solution at the edge has no other length.
 
 use super::curve::{FacetCurve, FacetNeighbor};
-use super::{ContactConstraint, ContactPair};
+use super::keys::KeyValues;
+use super::pairs::ContactPair;
+use super::surfaces::ContactSurfaces;
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 
 /// Number of bisections for the position of an edge.
@@ -17,47 +19,58 @@ const BISECTIONS: usize = 40;
 /// Distances of points along the surface from the last point with pressure, and the gaps there.
 type OpenPoints = [(f64, f64); 4];
 
-impl ContactConstraint {
-    /// Returns the area in contact of a pair.
-    pub(super) fn contact_area(&self, pair: &ContactPair) -> f64 {
-        if !pair.is_active {
-            return 0.0;
+/// Returns the area in contact of a pair.
+pub(super) fn contact_area(surfaces: &ContactSurfaces, pair: &ContactPair, keys: &KeyValues) -> f64 {
+    if !pair.is_active {
+        return 0.0;
+    }
+    let secondary = &surfaces.curves[pair.secondary];
+    let pressed = PressedSurface { pair, secondary, keys, has_two_keys: surfaces.has_two_keys(pair) };
+    secondary.exposed.iter().map(|facet| pressed.area_of_facet(*facet)).sum()
+}
+
+/// The own surface of a pair, with its pressures and gaps.
+struct PressedSurface<'a> {
+    pair: &'a ContactPair,
+    secondary: &'a FacetCurve,
+    keys: &'a KeyValues,
+    /// Whether each point has two keys.
+    has_two_keys: bool,
+}
+
+impl PressedSurface<'_> {
+    /// Returns the area of a facet that is in contact.
+    fn area_of_facet(&self, facet: u32) -> f64 {
+        let PressedSurface { pair, secondary, .. } = self;
+        let covered = match pair.analytical {
+            Some(_) => secondary.hat_areas(facet as usize),
+            None => pair.facet_gaps[facet as usize].area,
+        };
+        if pair.measures_closed_parts() && pair.facet_gaps[facet as usize].is_closed {
+            return covered[0] + covered[1];
         }
-        let secondary = &self.surfaces.curves[pair.secondary];
-        let areas = secondary.exposed.iter().map(|&k| {
-            let covered = match pair.analytical {
-                Some(_) => secondary.hat_areas(k as usize),
-                None => pair.facet_gaps[k as usize].area,
-            };
-            if pair.measures_closed_parts() && pair.facet_gaps[k as usize].is_closed {
-                return covered[0] + covered[1];
-            }
-            match secondary.facets[k as usize].inline_map(|point| self.has_pressure(pair, point)) {
-                [true, true] => covered[0] + covered[1],
-                [true, false] => self.area_up_to_edge(pair, (k, 0), covered),
-                [false, true] => self.area_up_to_edge(pair, (k, 1), covered),
-                [false, false] => 0.0,
-            }
-        });
-        areas.sum()
+        match secondary.facets[facet as usize].inline_map(|point| self.has_pressure(point)) {
+            [true, true] => covered[0] + covered[1],
+            [true, false] => self.area_up_to_edge(facet, 0, covered),
+            [false, true] => self.area_up_to_edge(facet, 1, covered),
+            [false, false] => 0.0,
+        }
     }
 
-    fn has_pressure(&self, pair: &ContactPair, point: u32) -> bool {
-        let secondary = &self.surfaces.curves[pair.secondary];
-        let (key, pressures) = (pair.key_of(secondary, point) as usize, &self.keys.pressures);
-        pressures[key][0] > 0.0 || self.surfaces.has_two_keys(pair) && pressures[key + secondary.points.len()][0] > 0.0
+    fn has_pressure(&self, point: u32) -> bool {
+        let (key, pressures) = (self.pair.key_of(self.secondary, point) as usize, &self.keys.pressures);
+        pressures[key][0] > 0.0 || self.has_two_keys && pressures[key + self.secondary.points.len()][0] > 0.0
     }
 
     /// Returns the part of the `covered` area of a facet that is in contact, if only the point at `end` has pressure.
     /// Without three open points with increasing gaps beyond it, this is the area of the hat function of the point.
-    fn area_up_to_edge(&self, pair: &ContactPair, (facet, end): (u32, usize), covered: [f64; 2]) -> f64 {
-        let secondary = &self.surfaces.curves[pair.secondary];
-        let edge = self.open_points(pair, (facet, end)).and_then(|open| {
+    fn area_up_to_edge(&self, facet: u32, end: usize, covered: [f64; 2]) -> f64 {
+        let edge = self.open_points(facet, end).and_then(|open| {
             let [_, near, far, _] = open;
-            (0.0 < near.1 && near.1 < far.1).then(|| distance_of_edge(open, pair.analytical.is_some()))
+            (0.0 < near.1 && near.1 < far.1).then(|| distance_of_edge(open, self.pair.analytical.is_some()))
         });
         let Some(edge) = edge else { return covered[end] };
-        let shape = &secondary.shapes[facet as usize];
+        let shape = &self.secondary.shapes[facet as usize];
         let [here, there] = inline_from_fn(|i| shape.from[0] + (if i == end { 0.0 } else { shape.along[0] }));
         let part = edge / shape.length;
         let area = std::f64::consts::TAU * edge * (here + 0.5 * part * (there - here));
@@ -66,8 +79,8 @@ impl ContactConstraint {
 
     /// Returns the points from the other end of a facet on, with zero gap for the last one, which is only the end of a
     /// facet. Returns `None` if the surface ends before, or if a point has pressure or no gap.
-    fn open_points(&self, pair: &ContactPair, (facet, end): (u32, usize)) -> Option<OpenPoints> {
-        let secondary = &self.surfaces.curves[pair.secondary];
+    fn open_points(&self, facet: u32, end: usize) -> Option<OpenPoints> {
+        let PressedSurface { pair, secondary, .. } = self;
         let (mut facet, mut distance, mut open) = (facet as usize, 0.0, [(0.0, 0.0); 4]);
         for at in 0..open.len() {
             distance += secondary.shapes[facet].length;
@@ -78,7 +91,7 @@ impl ContactConstraint {
             let point = secondary.facets[facet][1 - end];
             open[at].1 = self.keys.opening[pair.key_of(secondary, point) as usize];
             let FacetNeighbor::Facet(next) = secondary.neighbors[facet][1 - end] else { return None };
-            if self.has_pressure(pair, point) || open[at].1.is_nan() {
+            if self.has_pressure(point) || open[at].1.is_nan() {
                 return None;
             }
             facet = next as usize;

@@ -5,11 +5,12 @@ use std::collections::HashMap;
 
 use super::cohesion::{BondStatus, BondedPoint, CohesivePair, CohesiveSurfaces, FootVector, opened};
 use super::curve::{FacetCurve, PointCarrier};
-use super::pairs::pair_of;
+use super::dofs::ContactDofs;
+use super::pairs::{ContactPair, pair_of};
 use super::shown::SurfaceForces;
 use super::surfaces::ContactSurfaces;
 use super::sweeps::NONE;
-use super::{ContactConstraint, ContactPair};
+use super::system::ContactSystem;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::traction_separation::{DissipatedEnergy, TractionSeparationLaw};
 use crate::state::archive::StateArchive;
@@ -25,13 +26,51 @@ const TOUCHING: f64 = 0.05;
 const ONE_SIDED: f64 = 2.0;
 
 impl CohesiveSurfaces {
+    /// Creates the cohesive behaviour of `pairs`, which ascend by the index of the contact pair.
+    pub(super) fn new(
+        contact: &mut ContactSystem,
+        laws: Vec<TractionSeparationLaw>,
+        mut pairs: Vec<CohesivePair>,
+    ) -> CohesiveSurfaces {
+        let ContactSystem { surfaces, pairs: contact_pairs, dofs, .. } = contact;
+        let mut count = 0;
+        for cohesive in &mut pairs {
+            let pair = &mut contact_pairs[cohesive.pair];
+            pair.is_cohesive = true;
+            cohesive.first = count;
+            count += surfaces.curves[pair.secondary].points.len();
+        }
+        surfaces.active.activate(pairs.iter().map(|cohesive| cohesive.pair), contact_pairs, &surfaces.curves);
+        CohesiveSurfaces {
+            laws,
+            pairs,
+            points: vec![BondedPoint::default(); count],
+            impulses: vec![0.0; dofs.count()],
+            sums: vec![0.0; dofs.count()],
+            squared_frequency: 0.0,
+        }
+    }
+
+    /// Returns the points of a cohesive pair.
+    fn points_of(&self, contact: &ContactSystem, cohesive: &CohesivePair) -> &[BondedPoint] {
+        let count = contact.surfaces.curves[contact.pairs[cohesive.pair].secondary].points.len();
+        &self.points[cohesive.first..cohesive.first + count]
+    }
+
+    /// Returns the numbers of bonded points and of all points on the secondary surface of a pair; `None` without cohesive
+    /// behaviour.
+    pub(super) fn bonded_points(&self, contact: &ContactSystem, pair: usize) -> Option<[usize; 2]> {
+        let points = self.points_of(contact, &self.pairs[self.index_of(pair)?]);
+        Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), points.len()])
+    }
+
     /// Returns the index of the cohesive behaviour of a pair of the contact; `None` without one.
     pub(super) fn index_of(&self, pair: usize) -> Option<usize> {
         self.pairs.binary_search_by_key(&pair, |cohesive| cohesive.pair).ok()
     }
 
     /// Returns the indices of the cohesive pair and of the point that a key of the contact belongs to.
-    fn place_of(&self, contact: &ContactConstraint, key: u32) -> Option<(usize, usize)> {
+    fn place_of(&self, contact: &ContactSystem, key: u32) -> Option<(usize, usize)> {
         let pair = pair_of(&contact.pairs, key);
         let cohesive = self.index_of(pair)?;
         let ContactPair { secondary, first_key, .. } = contact.pairs[pair];
@@ -41,7 +80,7 @@ impl CohesiveSurfaces {
     }
 
     /// Bonds the points of new pairs that are in contact according to the current rows.
-    fn bond_new_pairs(&mut self, contact: &ContactConstraint) {
+    pub(super) fn bond_new_pairs(&mut self, contact: &ContactSystem) {
         for at in 0..self.pairs.len() {
             if !self.pairs[at].has_begun {
                 let count = contact.surfaces.curves[contact.pairs[self.pairs[at].pair].secondary].points.len();
@@ -56,13 +95,13 @@ impl CohesiveSurfaces {
             };
             let pair = &contact.pairs[self.pairs[at].pair];
             if row.gap <= TOUCHING * pair.search.length * row.area {
-                self.points[point] = contact.bond(pair, point - self.pairs[at].first, row.area).unwrap_or_default();
+                self.points[point] = bond(contact, pair, point - self.pairs[at].first, row.area).unwrap_or_default();
             }
         }
     }
 
     /// Bonds points that have come into contact in the previous increment.
-    fn bond_pressed_points(&mut self, contact: &ContactConstraint) {
+    fn bond_pressed_points(&mut self, contact: &ContactSystem) {
         if !self.pairs.iter().any(|cohesive| cohesive.bonds_later || cohesive.bonds_again) {
             return;
         }
@@ -75,7 +114,7 @@ impl CohesiveSurfaces {
                 BondStatus::Bonded | BondStatus::Failed => false,
             };
             if bonds && contact.keys.pressures[row.key as usize][0] > 0.0 {
-                let bonded = contact.bond(&contact.pairs[cohesive.pair], point - cohesive.first, row.area);
+                let bonded = bond(contact, &contact.pairs[cohesive.pair], point - cohesive.first, row.area);
                 self.points[point] = bonded.unwrap_or(self.points[point]);
             }
         }
@@ -83,7 +122,7 @@ impl CohesiveSurfaces {
 
     /// Updates separations and tractions at the start of an increment, after the time `dt` of the previous one, and the
     /// impulses over the time `half`. Returns the energy that damage and the deletion of elements dissipate.
-    fn update(&mut self, contact: &ContactConstraint, [half, dt]: [f64; 2]) -> DissipatedEnergy {
+    fn update(&mut self, contact: &ContactSystem, [half, dt]: [f64; 2]) -> DissipatedEnergy {
         let CohesiveSurfaces { laws, pairs, points, impulses, .. } = self;
         impulses.fill(0.0);
         let mut dissipated = DissipatedEnergy::default();
@@ -112,7 +151,7 @@ impl CohesiveSurfaces {
                 let between = point.traction.inline_map(|traction| point.area * traction * half);
                 let [a, b] = other.facets[point.facet as usize];
                 for (at, impulse) in [place, a, b].into_iter().zip(foot.forces(point.part, between)) {
-                    contact.add_impulse(impulses, at, impulse);
+                    add_impulse(&contact.dofs, impulses, at, impulse);
                 }
             }
         }
@@ -121,7 +160,7 @@ impl CohesiveSurfaces {
 
     /// Computes the bound of the frequency from the stiffness of the bonds and the masses that they join, by the theorem of
     /// Gershgorin as [`crate::element::cohesive::bounds`].
-    fn bound_frequency(&mut self, contact: &ContactConstraint) {
+    fn bound_frequency(&mut self, contact: &ContactSystem) {
         let mut sums = std::mem::take(&mut self.sums);
         sums.fill(0.0);
         self.for_each_bond(contact, |stiffness, ends| {
@@ -144,7 +183,7 @@ impl CohesiveSurfaces {
 
     /// Passes to `visit` the stiffness of each bond along r and z, and the degrees of freedom of the point and both ends of
     /// the facet with their weights.
-    fn for_each_bond(&self, contact: &ContactConstraint, mut visit: impl FnMut(f64, [(u32, f64); 3])) {
+    fn for_each_bond(&self, contact: &ContactSystem, mut visit: impl FnMut(f64, [(u32, f64); 3])) {
         for cohesive in &self.pairs {
             let (secondary, other) = contact.surfaces.sides(&contact.pairs[cohesive.pair]);
             for (index, &place) in secondary.points.iter().enumerate() {
@@ -164,172 +203,58 @@ impl CohesiveSurfaces {
             }
         }
     }
-}
-
-/// Returns whether neither the surface around a point nor the facet of its foot has lost its element.
-fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) -> bool {
-    other.is_exposed[facet as usize] && own.exposed_around(index).next().is_some()
-}
-
-impl ContactConstraint {
-    /// Returns the contact with cohesive behaviour of `pairs`, which ascend by the index of the contact pair.
-    pub fn with_cohesion(
-        mut self,
-        laws: Vec<TractionSeparationLaw>,
-        mut pairs: Vec<CohesivePair>,
-    ) -> ContactConstraint {
-        let mut count = 0;
-        for cohesive in &mut pairs {
-            cohesive.first = count;
-            count += self.surfaces.curves[self.pairs[cohesive.pair].secondary].points.len();
-        }
-        // Bonds act at any distance.
-        let indices = pairs.iter().map(|cohesive| cohesive.pair);
-        self.surfaces.active.activate(indices, &mut self.pairs, &self.surfaces.curves);
-        self.cohesion = Some(Box::new(CohesiveSurfaces {
-            laws,
-            pairs,
-            points: vec![BondedPoint::default(); count],
-            impulses: vec![0.0; self.dofs.count()],
-            sums: vec![0.0; self.dofs.count()],
-            squared_frequency: 0.0,
-        }));
-        self
-    }
-
-    /// Returns the numbers of bonded points and of all points on the secondary surface of a pair; `None` without cohesive
-    /// behaviour.
-    pub fn bonded_points(&self, pair: usize) -> Option<[usize; 2]> {
-        let cohesion = self.cohesion.as_ref()?;
-        let cohesive = &cohesion.pairs[cohesion.index_of(pair)?];
-        let count = self.surfaces.curves[self.pairs[pair].secondary].points.len();
-        let points = &cohesion.points[cohesive.first..cohesive.first + count];
-        Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
-    }
-
-    /// Returns whether a pair has cohesive behaviour.
-    pub(super) fn is_cohesive(&self, pair: usize) -> bool {
-        self.cohesion.as_ref().is_some_and(|cohesion| cohesion.index_of(pair).is_some())
-    }
-
-    fn add_impulse(&self, impulses: &mut [f64], point: u32, impulse: [f64; 2]) {
-        for (dof, part) in self.dofs.of_points[point as usize].into_iter().zip(impulse) {
-            if dof != NONE {
-                impulses[dof as usize] += part;
-            }
-        }
-    }
-
-    /// Returns a point of the own curve of a pair as bonded to the closest opposite facet; `None` if there is none.
-    fn bond(&self, pair: &ContactPair, index: usize, area: f64) -> Option<BondedPoint> {
-        let (secondary, other) = self.surfaces.sides(pair);
-        let point = secondary.points[index];
-        let position = self.surfaces.places[point as usize];
-        let mut best: Option<(f64, u32, f64)> = None;
-        for &(k, _) in secondary.exposed_around(index) {
-            let shares = self.measured.facets.shares_of(&pair.facet_gaps[k as usize]);
-            for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
-                let (normal, shape) = (secondary.shapes[k as usize].normal, &other.shapes[facet as usize]);
-                let faces = normal[0] * shape.normal[0] + normal[1] * shape.normal[1] < 0.0;
-                if !other.is_exposed[facet as usize] || !faces || other.facets[facet as usize].contains(&point) {
-                    continue;
-                }
-                let d = [position[0] - shape.from[0], position[1] - shape.from[1]];
-                let along = d[0] * shape.along[0] + d[1] * shape.along[1];
-                let part = (along / (shape.length * shape.length)).clamp(0.0, 1.0);
-                let apart = [0, 1].inline_map(|i: usize| d[i] - part * shape.along[i]);
-                let square = apart[0] * apart[0] + apart[1] * apart[1];
-                if best.is_none_or(|(least, known, _)| square < least || square == least && facet < known) {
-                    best = Some((square, facet, part));
-                }
-            }
-        }
-        let (_, facet, part) = best?;
-        let reference = FootVector::new(&other.shapes[facet as usize], part, position).components;
-        Some(BondedPoint { status: BondStatus::Bonded, facet, part, area, reference, ..BondedPoint::default() })
-    }
-
-    /// Bonds the points of new pairs that are in contact according to the current rows.
-    pub(super) fn bond_new_pairs(&mut self) {
-        if let Some(mut cohesion) = self.cohesion.take() {
-            cohesion.bond_new_pairs(self);
-            self.cohesion = Some(cohesion);
-        }
-    }
 
     /// Bonds the points of pairs that come into force at the current coordinates, and bounds the frequency.
-    pub(super) fn begin_cohesion(&mut self, dofs: &Dofs) {
-        let Some(cohesion) = &self.cohesion else { return };
-        let any_new = cohesion.pairs.iter().any(|cohesive| !cohesive.has_begun);
-        if self.surfaces.uncovered || any_new {
+    pub(super) fn begin(&mut self, contact: &mut ContactSystem, dofs: &Dofs) {
+        let any_new = self.pairs.iter().any(|cohesive| !cohesive.has_begun);
+        if contact.surfaces.uncovered || any_new {
             // All positions are read.
-            self.surfaces.list_points();
+            contact.surfaces.list_points();
         }
-        self.read_motion(dofs, 0.0);
+        contact.read_motion(dofs, 0.0);
         if any_new {
-            self.measure_current(dofs);
-            self.bond_new_pairs();
+            measure_current(contact, dofs);
+            self.bond_new_pairs(contact);
         }
-        if let Some(mut cohesion) = self.cohesion.take() {
-            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.has_begun = true);
-            cohesion.bound_frequency(self);
-            self.cohesion = Some(cohesion);
-        }
-    }
-
-    /// Measures the gaps between the increments.
-    fn measure_current(&mut self, dofs: &Dofs) {
-        for (point, place) in self.surfaces.points.iter().zip(&mut self.surfaces.places) {
-            if let PointCarrier::Body(body, [r, z]) = point.carrier {
-                *place = [r, z + dofs.bodies[body].displacement];
-            }
-        }
-        if self.surfaces.uncovered {
-            self.surfaces.find_neighbors();
-        }
-        self.search();
-        self.measure(0.0);
-        self.keys.store_openings(&self.measured.rows.rows);
+        self.pairs.iter_mut().for_each(|cohesive| cohesive.has_begun = true);
+        self.bound_frequency(contact);
     }
 
     /// Updates the bonds at the start of an increment of length `dt` and applies their impulses to the motion over it.
     /// Friction does not act on points whose bond has no damage.
-    pub(super) fn act_cohesion(&mut self, dofs: &mut Dofs, dt: f64) {
-        let Some(mut cohesion) = self.cohesion.take() else { return };
-        cohesion.bond_pressed_points(self);
-        let dissipated = cohesion.update(self, [self.dofs.half, 2.0 * self.dofs.half - dt]);
+    pub(super) fn act(&mut self, contact: &mut ContactSystem, dofs: &mut Dofs, dt: f64) {
+        self.bond_pressed_points(contact);
+        let dissipated = self.update(contact, [contact.dofs.half, 2.0 * contact.dofs.half - dt]);
         dofs.energies.plastic += dissipated.by_damage;
         dofs.energies.damaged += dissipated.by_damage;
         dofs.energies.internal -= dissipated.by_viscosity;
         dofs.energies.viscous += dissipated.by_viscosity;
-        cohesion.bound_frequency(self);
-        for index in 0..self.measured.rows.rows.len() {
-            let key = self.measured.rows.rows[index].key;
-            let Some((pair, point)) = cohesion.place_of(self, key) else { continue };
-            let (cohesive, bonded) = (&cohesion.pairs[pair], &cohesion.points[point]);
+        self.bound_frequency(contact);
+        for index in 0..contact.measured.rows.rows.len() {
+            let key = contact.measured.rows.rows[index].key;
+            let Some((pair, point)) = self.place_of(contact, key) else { continue };
+            let (cohesive, bonded) = (&self.pairs[pair], &self.points[point]);
             if bonded.status == BondStatus::Bonded && bonded.history.damage == 0.0 {
-                let law = if self.pairs[cohesive.pair].springs { point - cohesive.first } else { 0 };
-                self.measured.rows.rows[index].law = (cohesive.intact_law + law) as u32;
+                let law = if contact.pairs[cohesive.pair].springs { point - cohesive.first } else { 0 };
+                contact.measured.rows.rows[index].law = (cohesive.intact_law + law) as u32;
             }
         }
-        for i in 0..self.dofs.count() {
-            let change = self.dofs.motion.inverse_mass[i] * cohesion.impulses[i];
+        for i in 0..contact.dofs.count() {
+            let change = contact.dofs.motion.inverse_mass[i] * self.impulses[i];
             if change != 0.0 {
-                self.dofs.motion.velocity[i] += change;
-                self.dofs.change_velocity(i, change, dofs, dt);
+                contact.dofs.motion.velocity[i] += change;
+                contact.dofs.change_velocity(i, change, dofs, dt);
             }
         }
-        self.cohesion = Some(cohesion);
     }
 
     /// Adds the work of the bonds after the impulses of contact: the impulse times the mean of the velocities before and
     /// after all impulses. The work on a prescribed motion is external work.
-    pub(super) fn add_cohesive_work(&self, dofs: &mut Dofs, dt: f64) {
-        let Some(cohesion) = &self.cohesion else { return };
+    pub(super) fn add_work(&self, contact: &ContactDofs, dofs: &mut Dofs, dt: f64) {
         let Dofs { bodies, nodes, energies, .. } = dofs;
-        let (mut work, half) = (0.0, self.dofs.half);
-        for (i, &(dof, prescribed)) in self.dofs.list.iter().enumerate().filter(|(i, _)| cohesion.impulses[*i] != 0.0) {
-            let impulse = cohesion.impulses[i];
+        let (mut work, half) = (0.0, contact.half);
+        for (i, &(dof, prescribed)) in contact.list.iter().enumerate().filter(|(i, _)| self.impulses[*i] != 0.0) {
+            let impulse = self.impulses[i];
             let mean = match dof {
                 Dof::Node(n, axis) => {
                     let after = *nodes[n].velocity(axis);
@@ -340,8 +265,8 @@ impl ContactConstraint {
                     let previous = body.before.velocity - (half - 0.5 * dt) * body.acceleration;
                     if !prescribed {
                         // The impulses of contact have taken this work for that of another contact.
-                        let change = self.dofs.motion.inverse_mass[i] * impulse;
-                        let [normal, slip] = self.dofs.impulses[i];
+                        let change = contact.motion.inverse_mass[i] * impulse;
+                        let [normal, slip] = contact.impulses[i];
                         energies.contact += 0.5 * change * (normal + slip);
                     }
                     0.5 * (previous + body.velocity_half)
@@ -356,11 +281,15 @@ impl ContactConstraint {
     }
 
     /// Takes the bonds of the pairs that the previous contact has, too.
-    pub(super) fn take_over_cohesion(&mut self, previous: &ContactConstraint) {
-        let Some(old_cohesion) = previous.cohesion.as_deref() else { return };
-        let ContactConstraint { surfaces, pairs, dofs, cohesion: Some(cohesion), .. } = self else { return };
-        dofs.pass_values(&mut cohesion.impulses, &previous.dofs, &old_cohesion.impulses);
-        for cohesive in &mut cohesion.pairs {
+    pub(super) fn take_over(
+        &mut self,
+        contact: &ContactSystem,
+        old_cohesion: &CohesiveSurfaces,
+        previous: &ContactSystem,
+    ) {
+        let ContactSystem { surfaces, pairs, dofs, .. } = contact;
+        dofs.pass_values(&mut self.impulses, &previous.dofs, &old_cohesion.impulses);
+        for cohesive in &mut self.pairs {
             let pair = &pairs[cohesive.pair];
             let is_same = |old: &&CohesivePair| pair.continues(&previous.pairs[old.pair]);
             if let Some(old) = old_cohesion.pairs.iter().find(is_same) {
@@ -370,72 +299,113 @@ impl ContactConstraint {
                     pair: &previous.pairs[old.pair],
                     points: &old_cohesion.points[old.first..],
                 };
-                old.pass_bonds(surfaces, pair, &mut cohesion.points[cohesive.first..]);
+                old.pass_bonds(surfaces, pair, &mut self.points[cohesive.first..]);
             }
         }
     }
 
-    /// Returns the sum of all impulses on a degree of freedom in the previous increment.
-    pub(super) fn whole_impulse(&self, index: usize) -> f64 {
-        let [normal, slip] = self.dofs.impulses[index];
-        normal + slip + self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.impulses[index])
-    }
-
-    /// Returns the bound of the square of the highest frequency of the bonds.
-    pub fn squared_frequency(&self) -> f64 {
-        self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.squared_frequency)
-    }
-
     /// Rejects bonds to facets that do not exist.
-    pub(super) fn check_bonds(&self, archive: &mut StateArchive<'_>) {
-        let Some(cohesion) = &self.cohesion else { return };
-        for cohesive in &cohesion.pairs {
-            let (secondary, other) = self.surfaces.sides(&self.pairs[cohesive.pair]);
-            let points = &cohesion.points[cohesive.first..cohesive.first + secondary.points.len()];
+    pub(super) fn check(&self, contact: &ContactSystem, archive: &mut StateArchive<'_>) {
+        for cohesive in &self.pairs {
+            let (_, other) = contact.surfaces.sides(&contact.pairs[cohesive.pair]);
             let exists =
                 |point: &BondedPoint| point.status != BondStatus::Bonded || (point.facet as usize) < other.facets.len();
-            if !points.iter().all(exists) {
+            if !self.points_of(contact, cohesive).iter().all(exists) {
                 archive.reject(|| "a contact point is bonded to a facet that does not exist".to_owned());
             }
         }
     }
 
     /// Returns pressure and shear stress of the bond of a key.
-    pub(super) fn bond_stresses(&self, key: usize) -> [f64; 2] {
-        let Some(cohesion) = &self.cohesion else { return [0.0; 2] };
-        let bond = cohesion.place_of(self, key as u32);
-        bond.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
+    pub(super) fn stresses(&self, contact: &ContactSystem, key: usize) -> [f64; 2] {
+        let bond = self.place_of(contact, key as u32);
+        bond.map_or([0.0; 2], |(_, point)| self.points[point].traction.inline_map(|traction| -traction))
     }
 
     /// Returns an output variable of a bond; `None` for other variables, and for a key without cohesive behaviour.
-    pub(super) fn bond_value(&self, key: usize, variable: Variable) -> Option<f64> {
-        let cohesion = self.cohesion.as_ref()?;
-        let (cohesive, point) = cohesion.place_of(self, key as u32)?;
-        let history = &cohesion.points[point].history;
+    pub(super) fn value(&self, contact: &ContactSystem, key: usize, variable: Variable) -> Option<f64> {
+        let (cohesive, point) = self.place_of(contact, key as u32)?;
+        let history = &self.points[point].history;
         match variable {
             Variable::SurfaceDamage => Some(history.damage),
-            _ => (cohesion.pairs[cohesive].criterion == Some(variable)).then_some(history.criterion),
+            _ => (self.pairs[cohesive].criterion == Some(variable)).then_some(history.criterion),
         }
     }
 
     /// Adds the forces of bonds on the own surface of a pair.
-    pub(super) fn add_forces_of_bonds(&self, pair: &ContactPair, sum: &mut SurfaceForces) {
-        let Some(cohesion) = &self.cohesion else { return };
-        let Some(at) = cohesion.index_of(pair_of(&self.pairs, pair.first_key)) else { return };
-        let first = cohesion.pairs[at].first;
-        let (secondary, other) = self.surfaces.sides(pair);
-        for index in 0..secondary.points.len() {
-            let BondedPoint { status, facet, area, traction, .. } = cohesion.points[first + index];
+    pub(super) fn add_forces(&self, contact: &ContactSystem, pair: &ContactPair, sum: &mut SurfaceForces) {
+        let Some(at) = self.index_of(pair_of(&contact.pairs, pair.first_key)) else { return };
+        let (_, other) = contact.surfaces.sides(pair);
+        for point in self.points_of(contact, &self.pairs[at]) {
+            let BondedPoint { status, facet, area, traction, .. } = *point;
             if status != BondStatus::Bonded {
                 continue;
             }
             let shape = &other.shapes[facet as usize];
             for i in 0..2 {
-                sum.pressure[i] -= self.dofs.output_share * area * traction[0] * shape.normal[i];
-                sum.friction[i] -= self.dofs.output_share * area * traction[1] * shape.along[i] / shape.length;
+                sum.pressure[i] -= contact.dofs.output_share * area * traction[0] * shape.normal[i];
+                sum.friction[i] -= contact.dofs.output_share * area * traction[1] * shape.along[i] / shape.length;
             }
         }
     }
+}
+
+/// Returns whether neither the surface around a point nor the facet of its foot has lost its element.
+fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) -> bool {
+    other.is_exposed[facet as usize] && own.exposed_around(index).next().is_some()
+}
+
+/// Adds an impulse on a point.
+fn add_impulse(contact: &ContactDofs, impulses: &mut [f64], point: u32, impulse: [f64; 2]) {
+    for (dof, part) in contact.of_points[point as usize].into_iter().zip(impulse) {
+        if dof != NONE {
+            impulses[dof as usize] += part;
+        }
+    }
+}
+
+/// Returns a point of the own curve of a pair as bonded to the closest opposite facet; `None` if there is none.
+fn bond(contact: &ContactSystem, pair: &ContactPair, index: usize, area: f64) -> Option<BondedPoint> {
+    let (secondary, other) = contact.surfaces.sides(pair);
+    let point = secondary.points[index];
+    let position = contact.surfaces.places[point as usize];
+    let mut best: Option<(f64, u32, f64)> = None;
+    for &(k, _) in secondary.exposed_around(index) {
+        let shares = contact.measured.facets.shares_of(&pair.facet_gaps[k as usize]);
+        for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
+            let (normal, shape) = (secondary.shapes[k as usize].normal, &other.shapes[facet as usize]);
+            let faces = normal[0] * shape.normal[0] + normal[1] * shape.normal[1] < 0.0;
+            if !other.is_exposed[facet as usize] || !faces || other.facets[facet as usize].contains(&point) {
+                continue;
+            }
+            let d = [position[0] - shape.from[0], position[1] - shape.from[1]];
+            let along = d[0] * shape.along[0] + d[1] * shape.along[1];
+            let part = (along / (shape.length * shape.length)).clamp(0.0, 1.0);
+            let apart = [0, 1].inline_map(|i: usize| d[i] - part * shape.along[i]);
+            let square = apart[0] * apart[0] + apart[1] * apart[1];
+            if best.is_none_or(|(least, known, _)| square < least || square == least && facet < known) {
+                best = Some((square, facet, part));
+            }
+        }
+    }
+    let (_, facet, part) = best?;
+    let reference = FootVector::new(&other.shapes[facet as usize], part, position).components;
+    Some(BondedPoint { status: BondStatus::Bonded, facet, part, area, reference, ..BondedPoint::default() })
+}
+
+/// Measures the gaps between the increments.
+fn measure_current(contact: &mut ContactSystem, dofs: &Dofs) {
+    for (point, place) in contact.surfaces.points.iter().zip(&mut contact.surfaces.places) {
+        if let PointCarrier::Body(body, [r, z]) = point.carrier {
+            *place = [r, z + dofs.bodies[body].displacement];
+        }
+    }
+    if contact.surfaces.uncovered {
+        contact.surfaces.find_neighbors();
+    }
+    contact.search();
+    contact.measure(0.0);
+    contact.keys.store_openings(&contact.measured.rows.rows);
 }
 
 /// The bonds of a cohesive pair of a previous contact.

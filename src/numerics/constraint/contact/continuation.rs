@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use super::mesh_continuation::KeyPlace;
 use super::surfaces::{ContactSurfaces, PointIdentity};
+use super::system::ContactSystem;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::{NodeRelation, PreviousPlace};
 use crate::state::dofs::Dofs;
@@ -14,53 +15,45 @@ impl ContactConstraint {
     /// Takes pressures, slip, impulses, clearances and heat exchange bounds from the previous contact.
     pub(super) fn take_over(&mut self, previous: &ContactConstraint) {
         self.impact = previous.impact;
-        self.dofs.take_over(&previous.dofs);
-        self.take_over_pairs(previous, &|node| Some(PreviousPlace::at(node)));
-        self.take_over_cohesion(previous);
+        self.system.dofs.take_over(&previous.system.dofs);
+        let nodes = |node| Some(PreviousPlace::at(node));
+        self.system.take_over(&previous.system, &nodes);
+        self.take_over_heat(previous, &nodes);
+        if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
+            cohesion.take_over(&self.system, previous_cohesion, &previous.system);
+        }
         for stations in &mut self.stations {
             let same = previous.stations.iter().find(|known| known.pair.number == stations.pair.number);
             same.into_iter().for_each(|known| stations.take_over(known));
         }
     }
 
-    /// Takes the values of the previous contact at the places of the points on the previous surfaces. Stored energies per
-    /// area are interpolated, and the sum of each pair is kept.
+    /// Takes the values of the previous contact at the places of the points on the previous surfaces.
     pub(super) fn move_to_new_mesh(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
-        (self.dofs.half, self.impact) = (previous.dofs.half, previous.impact);
-        let places = self.take_over_pairs(previous, nodes);
-        if self.keys.stored_energy.stored.is_empty() {
-            return;
-        }
-        let surfaces = &mut self.surfaces;
-        for point in 0..surfaces.points.len() {
-            surfaces.places[point] = surfaces.place_of(point as u32, dofs, 0.0);
-        }
-        surfaces.curves.iter_mut().for_each(|curve| curve.shape(&surfaces.places));
-        let (areas, previous_areas) = (self.areas_of_keys(), previous.areas_of_keys());
-        let stored = &previous.keys.stored_energy.stored;
-        let density = |key: usize| if stored[key] > 0.0 { stored[key] / previous_areas[key] } else { 0.0 };
-        let continued = self.active_pairs_of(previous);
-        let energies = self.keys.stored_energy.stored_mut();
-        for (key, place) in places {
-            energies[key as usize] = place.value(density) * areas[key as usize];
-        }
-        for (index, previous_index) in continued {
-            let (pair, previous_pair) = (&self.pairs[index], &previous.pairs[previous_index]);
-            let sum = |energies: &[f64]| energies.iter().filter(|energy| !energy.is_nan()).sum::<f64>();
-            let energies = &mut energies[pair.keys()];
-            let sums = [sum(&stored[previous_pair.keys()]), sum(energies)];
-            let part = if sums[1] > 0.0 { sums[0] / sums[1] } else { 0.0 };
-            energies.iter_mut().for_each(|energy| *energy *= part);
-        }
+        (self.system.dofs.half, self.impact) = (previous.system.dofs.half, previous.impact);
+        let places = self.system.take_over(&previous.system, nodes);
+        self.take_over_heat(previous, nodes);
+        self.system.take_over_energies(&previous.system, places, dofs);
     }
 
+    /// Takes the bounds of heat exchange of the points that a previous contact has, too.
+    fn take_over_heat(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) {
+        let (Some(exchange), Some(previous_exchange)) = (&mut self.heat, &previous.heat) else { return };
+        let [surfaces, previous_surfaces] = [&self.system.surfaces, &previous.system.surfaces];
+        let points = (0..previous_surfaces.points.len() as u32).map(|point| previous_surfaces.identity(point));
+        let known: HashMap<_, _> = points.zip(&previous_exchange.most).collect();
+        for (point, most) in (0..surfaces.points.len() as u32).zip(&mut exchange.most) {
+            let ends = previous_ends(surfaces.identity(point), nodes).into_iter().flat_map(|found| found.0);
+            *most = ends.filter_map(|end| known.get(&end)).fold(0.0, |most, bound| bound.max(most));
+        }
+    }
+}
+
+impl ContactSystem {
     /// Takes the values of the pairs that continue, and of curves with the same facets. Returns the places of their keys
     /// among the previous ones.
-    fn take_over_pairs(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) -> Vec<(u32, KeyPlace)> {
-        let ends_of = |(carrier, on_body): PointIdentity| match on_body {
-            Some(_) => Some(([(carrier, on_body); 2], 0.0)),
-            None => nodes(carrier).map(|place| (place.nodes.inline_map(|node| (node, None)), place.share)),
-        };
+    fn take_over(&mut self, previous: &ContactSystem, nodes: &NodeRelation<'_>) -> Vec<(u32, KeyPlace)> {
+        let ends_of = |point: PointIdentity| previous_ends(point, nodes);
         let same =
             |point: PointIdentity| ends_of(point).filter(|(ends, _)| ends[0] == ends[1]).map(|(ends, _)| ends[0]);
         for index in 0..self.surfaces.curves.len().min(previous.surfaces.curves.len()) {
@@ -92,19 +85,40 @@ impl ContactConstraint {
             pair.largest_release = previous_pair.largest_release;
         }
         places.iter().for_each(|(key, place)| self.keys.take_over(*key as usize, &previous.keys, *place));
-        if let (Some(exchange), Some(previous_exchange)) = (&mut self.heat, &previous.heat) {
-            let points = (0..previous.surfaces.points.len() as u32).map(|point| previous.surfaces.identity(point));
-            let known: HashMap<_, _> = points.zip(&previous_exchange.most).collect();
-            for (point, most) in (0..self.surfaces.points.len() as u32).zip(&mut exchange.most) {
-                let ends = ends_of(self.surfaces.identity(point)).into_iter().flat_map(|found| found.0);
-                *most = ends.filter_map(|end| known.get(&end)).fold(0.0, |most, bound| bound.max(most));
-            }
-        }
         places
     }
 
+    /// Takes the stored energies of keys with these places on previous surfaces: energies per area are interpolated, and the
+    /// sum of each pair is kept.
+    fn take_over_energies(&mut self, previous: &ContactSystem, places: Vec<(u32, KeyPlace)>, dofs: &Dofs) {
+        if self.keys.stored_energy.stored.is_empty() {
+            return;
+        }
+        let surfaces = &mut self.surfaces;
+        for point in 0..surfaces.points.len() {
+            surfaces.places[point] = surfaces.place_of(point as u32, dofs, 0.0);
+        }
+        surfaces.curves.iter_mut().for_each(|curve| curve.shape(&surfaces.places));
+        let (areas, previous_areas) = (self.areas_of_keys(), previous.areas_of_keys());
+        let stored = &previous.keys.stored_energy.stored;
+        let density = |key: usize| if stored[key] > 0.0 { stored[key] / previous_areas[key] } else { 0.0 };
+        let continued = self.active_pairs_of(previous);
+        let energies = self.keys.stored_energy.stored_mut();
+        for (key, place) in places {
+            energies[key as usize] = place.value(density) * areas[key as usize];
+        }
+        for (index, previous_index) in continued {
+            let (pair, previous_pair) = (&self.pairs[index], &previous.pairs[previous_index]);
+            let sum = |energies: &[f64]| energies.iter().filter(|energy| !energy.is_nan()).sum::<f64>();
+            let energies = &mut energies[pair.keys()];
+            let sums = [sum(&stored[previous_pair.keys()]), sum(energies)];
+            let part = if sums[1] > 0.0 { sums[0] / sums[1] } else { 0.0 };
+            energies.iter_mut().for_each(|energy| *energy *= part);
+        }
+    }
+
     /// Returns the indices of the pairs that continue active pairs of a previous contact, and those of the latter.
-    fn active_pairs_of(&self, previous: &ContactConstraint) -> Vec<(usize, usize)> {
+    fn active_pairs_of(&self, previous: &ContactSystem) -> Vec<(usize, usize)> {
         let active = previous.surfaces.active.list.iter().map(|index| *index as usize);
         // If the previous contact has several pairs of this kind, the first one continues.
         let known: HashMap<_, _> = active.map(|index| (previous.pairs[index].identity(), index)).rev().collect();
@@ -122,6 +136,15 @@ impl ContactConstraint {
                 .for_each(|(area, index)| *area = secondary.area(index, &self.surfaces.places));
         }
         areas
+    }
+}
+
+/// Returns the points of a previous contact between which a point is, and its distance from the first as a fraction of that
+/// between both; `None` if it is new.
+fn previous_ends((carrier, on_body): PointIdentity, nodes: &NodeRelation<'_>) -> Option<([PointIdentity; 2], f64)> {
+    match on_body {
+        Some(_) => Some(([(carrier, on_body); 2], 0.0)),
+        None => nodes(carrier).map(|place| (place.nodes.inline_map(|node| (node, None)), place.share)),
     }
 }
 

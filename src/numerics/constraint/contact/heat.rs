@@ -6,7 +6,8 @@
 //! the friction work of a row.
 
 use super::curve::{PointCarrier, SurfacePoint};
-use super::sweeps::{ContactRow, ContactRows, GapTerm};
+use super::sweeps::{ContactRows, GapTerm};
+use super::system::ContactSystem;
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::state::archive::Persist;
@@ -35,13 +36,13 @@ pub struct ContactHeat {
 
 /// Point of a contact key, and what it faces.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HeatKey {
-    pub point: u32,
+struct HeatKey {
+    point: u32,
     /// Whether the point is on the first surface of its pair.
-    pub first: bool,
+    first: bool,
     /// Node with the temperature of the rigid body that the point faces, in [`ContactHeat`] as an index of its nodes;
     /// `None` for a deformable body, or for a rigid body without temperature.
-    pub sink: Option<u32>,
+    sink: Option<u32>,
 }
 
 /// Heat exchange of one contact row.
@@ -56,9 +57,37 @@ struct HeatRow {
 }
 
 impl ContactHeat {
+    /// Creates the exchange of a contact; `has` returns whether a node has a temperature, `of_body` the node with the
+    /// temperature of a rigid body.
+    pub(super) fn of_contact(
+        contact: &ContactSystem,
+        has: impl Fn(usize) -> bool,
+        of_body: impl Fn(usize) -> Option<usize>,
+    ) -> ContactHeat {
+        let ContactSystem { surfaces, pairs, dofs, keys: values, .. } = contact;
+        let mut keys: Vec<HeatKey> = Vec::with_capacity(values.count());
+        for pair in pairs {
+            let points_of = |curve: usize| surfaces.curves[curve].points.iter().copied();
+            let sink_of = |body: Option<usize>| body.and_then(&of_body).map(|node| node as u32);
+            let sink = sink_of(match pair.analytical {
+                Some(surface) => surfaces.body_of_point(surfaces.analyticals[surface].point),
+                None => pair.other.and_then(|other| surfaces.body_of_curve(other)),
+            });
+            keys.extend(points_of(pair.secondary).map(|point| HeatKey { point, first: pair.first, sink }));
+            let with_single_points = pair.other.filter(|other| surfaces.curves[*other].has_single_points());
+            let own_sink = sink_of(surfaces.body_of_curve(pair.secondary));
+            let single_points = with_single_points.into_iter().flat_map(points_of);
+            keys.extend(single_points.map(|point| HeatKey { point, first: !pair.first, sink: own_sink }));
+            if surfaces.has_two_keys(pair) {
+                keys.extend(points_of(pair.secondary).map(|point| HeatKey { point, first: pair.first, sink }));
+            }
+        }
+        ContactHeat::new((&surfaces.points, &dofs.of_points), dofs.count(), keys, has)
+    }
+
     /// Creates the exchange for contact points, their degrees of freedom and keys; `has` returns whether a node has a
     /// temperature.
-    pub(super) fn new(
+    fn new(
         (points, dofs_of): (&[SurfacePoint], &[[u32; 2]]),
         dofs: usize,
         mut keys: Vec<HeatKey>,
@@ -88,8 +117,27 @@ impl ContactHeat {
         }
     }
 
+    /// Updates the exchange before any row is left out.
+    pub(super) fn update(&mut self, contact: &ContactSystem) {
+        let ContactSystem { surfaces, pairs, laws, keys, measured, .. } = contact;
+        self.update_rows(&measured.rows, laws, &keys.pressures);
+        // Points near analytical surfaces have rows only while they approach.
+        for pair in surfaces.active.analytical.iter().map(|index| &pairs[*index as usize]) {
+            let secondary = &surfaces.curves[pair.secondary];
+            for &index in &secondary.exposed_points {
+                let key = pair.first_key + index;
+                let (opening, [pressure, _]) = (keys.opening[key as usize], keys.pressures[key as usize]);
+                if !opening.is_nan() {
+                    let law = &laws[pair.law_of(index as usize) as usize];
+                    let area = secondary.area(index as usize, &surfaces.places);
+                    self.add_conduction(key, area, [opening, pressure], law);
+                }
+            }
+        }
+    }
+
     /// Updates the rows before any is left out; conductances depend on the pressures of the previous increment.
-    pub(super) fn update_rows(&mut self, rows: &ContactRows, laws: &[InteractionLaw], pressures: &[[f64; 2]]) {
+    fn update_rows(&mut self, rows: &ContactRows, laws: &[InteractionLaw], pressures: &[[f64; 2]]) {
         let ContactHeat { nodes, point_of, keys, rows: passings, terms, most } = self;
         passings.clear();
         terms.clear();
@@ -110,7 +158,7 @@ impl ContactHeat {
     }
 
     /// Adds conduction between the point of a key and the rigid body that it faces, at an opening and a pressure.
-    pub(super) fn add_conduction(&mut self, key: u32, area: f64, [opening, pressure]: [f64; 2], law: &InteractionLaw) {
+    fn add_conduction(&mut self, key: u32, area: f64, [opening, pressure]: [f64; 2], law: &InteractionLaw) {
         let HeatKey { point, sink: Some(sink), .. } = self.keys[key as usize] else { return };
         if self.nodes[point as usize] == NONE {
             return;
@@ -122,20 +170,17 @@ impl ContactHeat {
     }
 
     /// Adds heat generated by friction in the rows that remain.
-    pub(super) fn add_friction_heat(
-        &mut self,
-        rows: &ContactRows,
-        laws: &[InteractionLaw],
-        work: impl Fn(&ContactRow) -> f64,
-    ) {
+    pub(super) fn add_friction_heat(&mut self, contact: &ContactSystem) {
+        let (rows, means) = (&contact.measured.rows, &contact.dofs.means);
         let mut heat_row = 0;
         for row in rows.rows.iter().filter(|row| row.whole_shear() != 0.0) {
             while self.rows[heat_row].key != row.key {
                 heat_row += 1;
             }
-            let law = &laws[row.law as usize].heat;
+            let law = &contact.laws[row.law as usize].heat;
             let own_share = if self.keys[row.key as usize].first { law.to_first } else { 1.0 - law.to_first };
-            let heat = -law.fraction * work(row);
+            let rate: f64 = rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum();
+            let heat = -law.fraction * (row.whole_shear() * rate);
             self.rows[heat_row].made = [own_share * heat, (1.0 - own_share) * heat];
         }
     }

@@ -4,8 +4,9 @@
 
 use super::curve::PointCarrier;
 use super::mesh_continuation::{KeyPlace, MeshContinuation};
+use super::pairs::ContactPair;
 use super::sweeps::ContactRow;
-use super::{ContactConstraint, ContactPair};
+use super::system::ContactSystem;
 use crate::constraint::MeshMotion;
 use crate::kernel::lanes::InlineMap;
 use crate::state::dofs::Dofs;
@@ -20,8 +21,37 @@ const CLOSED: f64 = 0.05;
 const LONGEST: f64 = 0.2;
 
 impl MeshContinuation {
+    /// Allocates for a contact whose gaps or stored energies follow changes of meshes; `None` for others.
+    pub(super) fn of_contact(contact: &ContactSystem) -> Option<Box<MeshContinuation>> {
+        let ContactSystem { surfaces, dofs, keys, .. } = contact;
+        let follows = !keys.stored_energy.stored.is_empty() || contact.mesh_pairs().next().is_some();
+        follows.then(|| Box::new(MeshContinuation::new(keys.count(), surfaces.points.len(), dofs.count())))
+    }
+
+    /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them. It follows
+    /// [`ContactSystem::begin_mesh_motion`].
+    pub(super) fn follow(&mut self, contact: &mut ContactSystem, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
+        if contact.mesh_pairs().next().is_some() && moves_near(contact, dofs, mesh) {
+            contact.measure(0.0);
+            self.begin(contact);
+            for pass in 0..PASSES {
+                contact.surfaces.read_places(|node| mesh.place(node), dofs);
+                contact.search();
+                contact.measure(0.0);
+                if pass == 0 {
+                    self.find_shares(contact);
+                }
+                self.correct(contact, mesh);
+            }
+            contact.keys.carry(self);
+            self.carry_energies(contact);
+            contact.surfaces.listed.clear();
+        }
+        self.carry_energies_on_analyticals(contact, mesh, dofs);
+    }
+
     /// Takes places, gaps and areas at the start.
-    fn begin(&mut self, contact: &ContactConstraint) {
+    fn begin(&mut self, contact: &ContactSystem) {
         self.starts.copy_from_slice(&contact.surfaces.places);
         self.gaps.fill(f64::NAN);
         self.areas.fill(0.0);
@@ -32,9 +62,9 @@ impl MeshContinuation {
     }
 
     /// Finds the new places of the keys between those at the start.
-    fn find_shares(&mut self, contact: &ContactConstraint) {
+    fn find_shares(&mut self, contact: &ContactSystem) {
         self.shares.clear();
-        for pair in mesh_pairs(contact).filter(|pair| pair.is_active) {
+        for pair in contact.mesh_pairs().filter(|pair| pair.is_active) {
             let points = contact.surfaces.curves[pair.secondary].exposed_points.iter();
             self.shares.extend(points.filter_map(|index| key_share(contact, pair, *index, &self.starts)));
         }
@@ -43,7 +73,7 @@ impl MeshContinuation {
 
     /// Corrects new places by the smallest displacements of both surfaces that keep the gaps of rows under pressure and
     /// cause no overlap elsewhere: sweeps over the rows (Kaczmarz 1937). Equation (18.8).
-    fn correct(&mut self, contact: &ContactConstraint, mesh: &mut dyn MeshMotion) {
+    fn correct(&mut self, contact: &ContactSystem, mesh: &mut dyn MeshMotion) {
         self.shifts.fill(0.0);
         self.is_free.fill(false);
         for (node, dofs) in near_nodes(contact) {
@@ -51,7 +81,7 @@ impl MeshContinuation {
                 self.is_free[dof as usize] = free;
             }
         }
-        let longest = mesh_pairs(contact).map(|pair| pair.search.length).fold(f64::INFINITY, f64::min);
+        let longest = contact.mesh_pairs().map(|pair| pair.search.length).fold(f64::INFINITY, f64::min);
         let (mut shifts, is_free) = (std::mem::take(&mut self.shifts), std::mem::take(&mut self.is_free));
         for _ in 0..SWEEPS {
             for row in contact.measured.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
@@ -80,7 +110,7 @@ impl MeshContinuation {
 
     /// Returns the mean gap that a row has to keep, that of its place at the start, and whether the row is closed. Other rows
     /// keep a gap of at most zero.
-    fn target(&self, contact: &ContactConstraint, row: &ContactRow, length: f64) -> (f64, bool) {
+    fn target(&self, contact: &ContactSystem, row: &ContactRow, length: f64) -> (f64, bool) {
         let gap = self.at_new_place(row.key, |key| self.gaps[key]);
         let is_pressed = contact.keys.pressures[row.key as usize][0] > 0.0;
         if gap.is_nan() {
@@ -93,8 +123,8 @@ impl MeshContinuation {
     }
 
     /// Moves stored energies to the new places: energies per area are interpolated, and the sum of a pair is kept.
-    fn carry_energies(&mut self, contact: &mut ContactConstraint) {
-        let ContactConstraint { surfaces, pairs, keys, measured, .. } = contact;
+    fn carry_energies(&mut self, contact: &mut ContactSystem) {
+        let ContactSystem { surfaces, pairs, keys, measured, .. } = contact;
         let energies = keys.stored_energy.stored_mut();
         if energies.is_empty() {
             return;
@@ -117,7 +147,7 @@ impl MeshContinuation {
 
     /// Moves stored energies of soft contact with analytical surfaces to the new places of their keys: energies per area are
     /// interpolated, and the sum of a pair is kept.
-    fn carry_energies_on_analyticals(&mut self, contact: &mut ContactConstraint, mesh: &dyn MeshMotion, dofs: &Dofs) {
+    fn carry_energies_on_analyticals(&mut self, contact: &mut ContactSystem, mesh: &dyn MeshMotion, dofs: &Dofs) {
         if contact.keys.stored_energy.stored.is_empty() {
             return;
         }
@@ -133,7 +163,7 @@ impl MeshContinuation {
 
     /// Finds the energies at the new places of the keys of a pair with an analytical surface. Returns whether a point has
     /// moved.
-    fn find_energies(&mut self, contact: &ContactConstraint, index: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
+    fn find_energies(&mut self, contact: &ContactSystem, index: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
         let (pair, surfaces) = (&contact.pairs[index], &contact.surfaces);
         let (secondary, energies) = (&surfaces.curves[pair.secondary], &contact.keys.stored_energy.stored);
         let start_of = |point: u32| surfaces.place_of(point, dofs, 0.0);
@@ -172,13 +202,8 @@ fn replace_energies(energies: &mut [f64], others: &[f64]) {
     }
 }
 
-/// Returns the pairs of two surfaces with facets.
-fn mesh_pairs(contact: &ContactConstraint) -> impl Iterator<Item = &ContactPair> {
-    contact.pairs.iter().filter(|pair| pair.analytical.is_none())
-}
-
 /// Returns the nodes near another surface, with their degrees of freedom.
-fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32; 2])> {
+fn near_nodes(contact: &ContactSystem) -> impl Iterator<Item = (usize, [u32; 2])> {
     contact.surfaces.near.points.iter().filter_map(|point| match contact.surfaces.points[*point as usize].carrier {
         PointCarrier::Node(node) => Some((node, contact.dofs.of_points[*point as usize])),
         PointCarrier::Body(..) => None,
@@ -186,88 +211,14 @@ fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32;
 }
 
 /// Returns the new place of the key of an own point; `None` if it does not move along the surface.
-fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyPlace> {
+fn key_share(contact: &ContactSystem, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyPlace> {
     let secondary = &contact.surfaces.curves[pair.secondary];
     let new_place = contact.surfaces.places[secondary.points[index as usize] as usize];
     let (next, share) = secondary.next_point(index as usize, new_place, |point| starts[point as usize])?;
     Some(KeyPlace { keys: [pair.first_key + index, pair.key_of(secondary, next)], share })
 }
 
-impl ContactConstraint {
-    /// Allocates for changes of adaptive meshes.
-    pub fn reserve_mesh_motion(&mut self) {
-        let stores_energy = !self.keys.stored_energy.stored.is_empty();
-        if self.mesh.is_none() && (stores_energy || mesh_pairs(self).next().is_some()) {
-            let new = MeshContinuation::new(self.keys.count(), self.surfaces.points.len(), self.dofs.count());
-            self.mesh = Some(Box::new(new));
-        }
-    }
-
-    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`Self::follow_meshes`]), after
-    /// [`Self::begin_mesh_motion`]: another surface with facets is near, no analytical one presses, and no bond acts.
-    pub fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
-        let Some(point) = self.surfaces.point_on(carrier) else { return false };
-        let mut keeps = false;
-        for index in self.surfaces.active.list.iter().map(|index| *index as usize) {
-            let pair = &self.pairs[index];
-            let index_in = |curve: usize| self.surfaces.curves[curve].points.binary_search(&point).ok();
-            let own_index = index_in(pair.secondary);
-            let is_pressed = |index: usize| self.keys.pressures[pair.first_key as usize + index][0] > 0.0;
-            if pair.analytical.is_some() && own_index.is_some_and(is_pressed) {
-                return false;
-            }
-            if pair.analytical.is_none() && own_index.or_else(|| index_in(pair.other?)).is_some() {
-                if self.is_cohesive(index) {
-                    return false;
-                }
-                keeps = self.surfaces.near.has(point);
-            }
-        }
-        keeps
-    }
-
-    /// Finds the surfaces that are near each other before adaptive meshes change, at the start of an increment of which only
-    /// the motion of bodies has been made. The lists of earlier
-    /// increments are not used, for they depend on when they were built.
-    pub fn begin_mesh_motion(&mut self, dofs: &Dofs) {
-        if mesh_pairs(self).next().is_none() {
-            return;
-        }
-        if self.surfaces.uncovered {
-            self.surfaces.list_points();
-        }
-        self.surfaces.read_places(|_| None, dofs);
-        self.follow_deletions();
-        self.search();
-    }
-
-    /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them. It follows
-    /// [`Self::begin_mesh_motion`].
-    pub fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
-        self.reserve_mesh_motion();
-        let Some(mut work) = self.mesh.take() else { return };
-        if mesh_pairs(self).next().is_some() && self.moves_near(dofs, mesh) {
-            self.measure(0.0);
-            work.begin(self);
-            for pass in 0..PASSES {
-                self.surfaces.read_places(|node| mesh.place(node), dofs);
-                self.search();
-                self.measure(0.0);
-                if pass == 0 {
-                    work.find_shares(self);
-                }
-                work.correct(self, mesh);
-            }
-            self.keys.carry(&mut work);
-            work.carry_energies(self);
-            self.surfaces.listed.clear();
-        }
-        work.carry_energies_on_analyticals(self, mesh, dofs);
-        self.mesh = Some(work);
-    }
-
-    /// Returns whether a node near another surface moves.
-    fn moves_near(&self, dofs: &Dofs, mesh: &dyn MeshMotion) -> bool {
-        near_nodes(self).any(|(node, _)| mesh.place(node).is_some_and(|place| place != dofs.nodes[node].place()))
-    }
+/// Returns whether a node near another surface moves.
+fn moves_near(contact: &ContactSystem, dofs: &Dofs, mesh: &dyn MeshMotion) -> bool {
+    near_nodes(contact).any(|(node, _)| mesh.place(node).is_some_and(|place| place != dofs.nodes[node].place()))
 }

@@ -14,7 +14,7 @@ use crate::state::archive::Persist;
 /// Two surfaces that may come into contact, or one with self-contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(derived: id, number, name, secondary, other, analytical, law, springs, of_points, first, thickness,
-    initial_clearance, is_near, is_active, search, facet_gaps, first_key, end_key)]
+    initial_clearance, is_near, is_active, is_cohesive, search, facet_gaps, first_key, end_key)]
 #[memory(uncounted: name)]
 pub struct ContactPair {
     /// Row of the ledger.
@@ -54,6 +54,8 @@ pub struct ContactPair {
     pub(super) is_near: bool,
     /// Whether the surfaces have been near each other; only then the pair has lists and gaps.
     pub(super) is_active: bool,
+    /// Whether the surfaces have cohesive behaviour. Bonds act at any distance.
+    pub(super) is_cohesive: bool,
     pub(super) search: ContactSearch,
     pub(super) facet_gaps: Vec<FacetGap>,
     /// First key of the pair; each point of the own curve has one.

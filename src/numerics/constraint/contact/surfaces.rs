@@ -198,6 +198,11 @@ impl ContactSurfaces {
         keys
     }
 
+    /// Returns the number of pairs.
+    pub(super) fn pair_count(&self) -> usize {
+        self.numbers.len()
+    }
+
     /// Returns the index of the first pair with a number among the pairs of all steps.
     pub(super) fn first_of_number(&self, number: usize) -> Option<usize> {
         let from = self.numbers.partition_point(|known| (known[0] as usize) < number);
@@ -248,14 +253,9 @@ impl ContactSurfaces {
             || self.near.others.iter().any(|&point| is_far(self.place_of(point, dofs, dt), point))
     }
 
-    /// Searches candidates of all pairs from the shapes of all exposed facets. The bonds of pairs for which `is_cohesive`
-    /// act at any distance. `dofs_of` are the degrees of freedom of each point.
-    pub(super) fn search(
-        &mut self,
-        pairs: &mut [ContactPair],
-        is_cohesive: impl Fn(usize) -> bool,
-        dofs_of: &[[u32; 2]],
-    ) {
+    /// Searches candidates of all pairs from the shapes of all exposed facets. `dofs_of` are the degrees of freedom of each
+    /// point.
+    pub(super) fn search(&mut self, pairs: &mut [ContactPair], dofs_of: &[[u32; 2]]) {
         let ContactSurfaces { curves, active, places, listed, selected, .. } = self;
         selected.clear();
         curves.iter_mut().for_each(|curve| curve.shape(places));
@@ -271,15 +271,19 @@ impl ContactSurfaces {
             }
         }
         self.slack = self.slacks[0];
-        if self.is_quiet(pairs, &is_cohesive) {
+        if self.is_quiet(pairs) {
             self.slack = self.slacks[1];
-            let active = self.active.list.iter().map(|index| *index as usize);
-            active.filter(|index| !is_cohesive(*index)).for_each(|index| pairs[index].search.clear());
+            for &index in &self.active.list {
+                let pair = &mut pairs[index as usize];
+                if !pair.is_cohesive {
+                    pair.search.clear();
+                }
+            }
         }
         let ActivePairs { list, near, .. } = &mut self.active;
         near.clear();
         near.extend(list.iter().copied().filter(|index| pairs[*index as usize].end_search()));
-        self.list_near(pairs, is_cohesive, dofs_of);
+        self.list_near(pairs, dofs_of);
     }
 
     /// Selects the close candidates of all near pairs again if a near point has moved too far since the last selection.
@@ -296,29 +300,27 @@ impl ContactSurfaces {
 
     /// Returns whether no surfaces of pairs without bonds are within reach before the next search, in which case they need
     /// not be measured.
-    fn is_quiet(&self, pairs: &[ContactPair], is_cohesive: impl Fn(usize) -> bool) -> bool {
+    fn is_quiet(&self, pairs: &[ContactPair]) -> bool {
         let ContactSurfaces { curves, active, places, slacks, .. } = self;
-        active.list.iter().map(|index| *index as usize).all(|index| {
-            let pair = &pairs[index];
+        active.list.iter().map(|index| &pairs[*index as usize]).all(|pair| {
             let other = pair.other.map(|other| &curves[other]);
             pair.analytical.is_some()
-                || is_cohesive(index)
+                || pair.is_cohesive
                 || active.are_apart(pair)
                 || pair.search.is_out_of_reach(&curves[pair.secondary], other, places, slacks[1])
         })
     }
 
     /// Lists what is near another surface, or belongs to a pair whose bonds act at any distance.
-    fn list_near(&mut self, pairs: &[ContactPair], is_cohesive: impl Fn(usize) -> bool, dofs_of: &[[u32; 2]]) {
+    fn list_near(&mut self, pairs: &[ContactPair], dofs_of: &[[u32; 2]]) {
         let ContactSurfaces { curves, analyticals, active, active_points, near, .. } = self;
         near.begin();
-        for index in active.list.iter().map(|index| *index as usize) {
-            let pair = &pairs[index];
+        for pair in active.list.iter().map(|index| &pairs[*index as usize]) {
             let (secondary, other) = (&curves[pair.secondary], pair.other.map(|other| &curves[other]));
             if let Some(surface) = pair.analytical {
                 near.mark_point(analyticals[surface].point);
             }
-            if pair.analytical.is_some() || is_cohesive(index) {
+            if pair.analytical.is_some() || pair.is_cohesive {
                 [Some(secondary), other].into_iter().flatten().for_each(|curve| near.mark_curve(curve));
             } else {
                 near.mark_candidates(secondary, other, &pair.search);

@@ -6,9 +6,9 @@
 
 use std::sync::Arc;
 
-use crate::element::block::is_larger;
 use crate::element::criteria::DeletionFilter;
 use crate::element::group::{ElementGroup, ElementPass, GroupProperties, GroupSetting, GroupTotals};
+use crate::element::lane_sums::is_larger;
 use crate::kernel::cohesive::{self, MidSurface};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};

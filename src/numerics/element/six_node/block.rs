@@ -5,9 +5,11 @@
 use std::f64::consts::PI;
 
 use super::triangles::{TriangleLanes, WorkArrays, operators_at, places};
-use crate::element::block::{ElementBlock, TaskWorkspace};
+use crate::element::block::ElementBlock;
 use crate::element::constants::ElementConstants;
 use crate::element::solid::{BlockPass, BlockPlace, InitialBlock, SolidIncrement};
+use crate::element::strain::measure_gradients;
+use crate::element::workspace::TaskWorkspace;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn, put_column};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::{mises, undamaged};
@@ -144,7 +146,7 @@ impl<S: Clone> TriangleBlock<S> {
         }
         scratch.set_gradients(dt, &work.points[p].gradients, &work.points[p].middle);
         material.begin(&mut point.state, time);
-        point.trial::<M>(constants, dt, scratch);
+        measure_gradients::<M>(&point.stress, constants, dt, scratch);
         if M::USES_PLACE {
             let cell = ElementTopology::SixNodeTriangle.cells()[p];
             scratch.set_places(|l| {

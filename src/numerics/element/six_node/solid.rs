@@ -6,12 +6,14 @@ use std::ops::Range;
 
 use super::block::TriangleBlock;
 use super::triangles::{FORCE_BLOCKS, WorkArrays, operators_at, places};
-use crate::element::block::{ElementBlock, StoredTask, TASK, TaskWorkspace};
+use crate::element::block::ElementBlock;
 use crate::element::calls::CallPass;
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::eroded::ErodedLanes;
 use crate::element::group::ElementStiffness;
+use crate::element::lane_sums::TASK;
 use crate::element::solid::{BlockPlace, InitialBlock, PointExpansion, SolidBlock, SolidGroup, SolidTask};
+use crate::element::workspace::{StoredTask, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, Lanes};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, stiffness};
 use crate::kernel::topology::{ElementTopology, PerNode};

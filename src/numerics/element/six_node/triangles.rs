@@ -6,9 +6,10 @@ use std::f64::consts::PI;
 
 use pulp::NullaryFnOnce;
 
-use crate::element::block::{TaskWorkspace, is_larger};
 use crate::element::constants::{CHANGE, ElementConstants, damped};
+use crate::element::lane_sums::is_larger;
 use crate::element::solid::SolidIncrement;
+use crate::element::workspace::TaskWorkspace;
 use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;

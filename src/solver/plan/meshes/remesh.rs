@@ -208,7 +208,7 @@ fn excluded_by_model(scene: Scene, pairs: &Pairs, state: &State, report: &Report
     let exclusions = [
         (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDISP and VUCHARLENGTH"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
-        (elements.rings.is_some(), "WEIGHTING=AREA"),
+        (elements.assembly.rings.is_some(), "WEIGHTING=AREA"),
         (!model.cohesive_sections.is_empty(), "cohesive elements"),
         (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
         (heats && !model.constraints.ties.is_empty(), "*TIE together with nodal temperatures"),

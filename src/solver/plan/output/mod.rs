@@ -8,6 +8,7 @@ use std::sync::Arc;
 use indexmap::{IndexMap, IndexSet};
 
 use crate::deck::Diagnostic;
+use crate::element::elements::Elements;
 use crate::element::group::GroupSetting;
 use crate::element::values;
 use crate::kernel::lists::Memory;
@@ -285,11 +286,12 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Repor
 /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
 fn track_deletion(model: &Model, columns: &Columns, state: &mut State, report: &mut Report) {
     let requested = columns.read().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
-    if state.elements.removed.is_none() && !requested {
+    if state.elements.deletions.record.is_none() && !requested {
         return;
     }
-    if state.elements.removed.is_none() {
-        state.elements.count_deletions(state.dofs.nodes.len());
+    if state.elements.deletions.record.is_none() {
+        let Elements { groups, deletions, .. } = &mut state.elements;
+        deletions.start_record(groups, state.dofs.nodes.len());
     }
     let erosion = model.erosions.first().map(|e| e.span);
     let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_deletion_total(*v)));

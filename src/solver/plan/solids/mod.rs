@@ -147,7 +147,7 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         elements.damping = Some(Box::new(RayleighDamping::new(damped, linear, &elements.groups, nodes.len())));
     }
     if sections.iter().any(|(s, _)| s.controls.by_area) {
-        elements.rings = Some(Box::new(RingFactors::new(&elements.groups, nodes.len())));
+        elements.assembly.rings = Some(Box::new(RingFactors::new(&elements.groups, nodes.len())));
     }
     let mut state = SolidState { dofs: Dofs { nodes, ..Dofs::default() }, elements };
     start_solid(model, places, &mut state, report);
@@ -468,7 +468,8 @@ pub fn scale_and_estimate(scene: Scene, links: &Links, state: &mut State, report
     }
     if scene.model.scales_masses() {
         let linked = marked_nodes(state.dofs.nodes.len(), nodes_of_links(links));
-        state.elements.store_unscaled_masses(&state.dofs.nodes, linked);
+        let Elements { groups, mass_scaling, .. } = &mut state.elements;
+        mass_scaling.store_unscaled(groups, &state.dofs.nodes, linked);
     }
     estimate_frequency(scene, state, report);
 }
