@@ -7,15 +7,16 @@ use super::names::upper;
 use super::types::{IncrementControl, MaterialDefinition};
 use crate::deck::{Card, Span, Word};
 
-/// Cards that define something by NAME that other cards refer to. Sets and surfaces, which programs write in great number, and
-/// materials of libraries are not listed.
-const DEFINITIONS: [&str; 9] = [
+/// Cards that define something by NAME that other cards refer to. Sets and surfaces, which programs write in great number, are
+/// not listed, and materials only in the deck's own file, since libraries of materials are included.
+const DEFINITIONS: [&str; 10] = [
     "ADAPTIVE MESH CONTROLS",
     "AMPLITUDE",
     "CONTACT CLEARANCE",
     "CONTACT INITIALIZATION DATA",
     "INCIDENT WAVE INTERACTION PROPERTY",
     "INTEGRATED OUTPUT SECTION",
+    "MATERIAL",
     "SECTION CONTROLS",
     "SURFACE INTERACTION",
     "TIME POINTS",
@@ -34,6 +35,7 @@ pub fn list_unused(context: &mut Context<'_>) {
     for card in cards {
         let name = card.value("NAME").map(|word| upper(&word.text));
         match card.keyword.name {
+            "MATERIAL" if card.span.file != 0 => {}
             keyword if DEFINITIONS.contains(&keyword) && name.as_ref().is_some_and(|name| unused.contains(name)) => {
                 context.ignore(keyword, card.span, "no other card names it");
             }

@@ -105,7 +105,7 @@ fn check_other_cards(solid: &SolidProperties) -> Result<(), StrengthFault> {
         (material.shear_modulus.is_some(), "*ELASTIC, TYPE=SHEAR"),
         (material.eos.is_some(), "*EOS"),
         (material.hyperelastic.is_some(), "*HYPERELASTIC"),
-        (material.foam.shape.is_some(), "*CRUSHABLE FOAM"),
+        (material.foam.shape.is_some() || !material.foam.hardening.is_empty(), "*CRUSHABLE FOAM"),
         (!takes_plastic && material.plastic.is_some(), "*PLASTIC"),
         (cards.drucker_prager.is_none() && material.rate.is_some(), "*RATE DEPENDENT"),
         (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
