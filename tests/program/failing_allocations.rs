@@ -1,0 +1,170 @@
+//! Allocations of memory fail: from the n-th one on, or above a limit of the process.
+//!
+//! Goal: the program ends with a message, all files are complete, no summary says that the run is completed, and the command,
+//! continued, gives the same files as an undisturbed one. A failed allocation ends a program in Rust as an abort; too large
+//! requests of a deck are refused before, with the name of the limit (M125). Source: the undisturbed run. Tolerance: none.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use crate::common::{fortran, project, revolve};
+use crate::failing_writes::small_run;
+use crate::faults::{FaultCase, under_limit};
+
+/// Signal of an abort.
+const ABORT: i32 = 6;
+
+/// How a run under too little memory has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MemoryEnd {
+    /// The run is completed.
+    Completed,
+    /// The deck is refused, or the run halted, with a message.
+    Message,
+    /// The program aborted.
+    Abort,
+}
+
+/// Returns how a run has ended; panics if it is none of the permitted ways.
+fn end_of(output: &Output, context: &str) -> MemoryEnd {
+    use std::os::unix::process::ExitStatusExt as _;
+    let words = String::from_utf8_lossy(&output.stderr);
+    match (output.status.code(), output.status.signal()) {
+        (Some(0), _) => MemoryEnd::Completed,
+        (Some(1 | 2), _) => {
+            assert!(words.contains("error") || words.contains("R2"), "{context}: {words}");
+            MemoryEnd::Message
+        }
+        (_, Some(ABORT)) => {
+            assert!(words.contains("memory allocation of") && !words.contains("panicked"), "{context}: {words}");
+            MemoryEnd::Abort
+        }
+        _ => panic!("{context}: {}: {words}", output.status),
+    }
+}
+
+/// Asserts that files are complete, that a run that has not ended is not called completed, and that it can be continued.
+fn assert_nothing_is_lost(case: &FaultCase, folder: &Path, end: MemoryEnd, context: &str) {
+    case.check(folder);
+    if end != MemoryEnd::Completed {
+        let info = revolve(&["info", folder.to_str().expect("a name")]);
+        let words = String::from_utf8_lossy(&info.stdout);
+        assert!(!words.contains("completed"), "{context}: {words}");
+    }
+    fs::create_dir_all(folder).expect("a folder");
+    case.resume(folder, "2");
+}
+
+/// The library that makes allocations fail, and the file in which it counts them.
+struct FailingAllocations {
+    library: PathBuf,
+    mark: PathBuf,
+}
+
+impl FailingAllocations {
+    /// Compiles the library; `None` without a compiler.
+    fn new(scratch: &Path) -> Option<FailingAllocations> {
+        if !fortran("failing allocations") {
+            return None;
+        }
+        let library = scratch.join("failing_allocations.so");
+        let mut compiler = Command::new(std::env::var("CC").unwrap_or_else(|_| "gcc".into()));
+        compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library);
+        assert!(compiler.arg(project("tests/program/failing_allocations.c")).status().expect("a C compiler").success());
+        Some(FailingAllocations { library, mark: scratch.join("mark") })
+    }
+
+    /// Runs a case in which all allocations of at least `smallest` bytes fail from number `call` on; 0: none fails. Returns the
+    /// output and the text of the library.
+    fn run(&self, case: &FaultCase, folder: &Path, call: u64, smallest: u64) -> (Output, String) {
+        fs::remove_file(&self.mark).ok();
+        let mut command = case.command(under_limit("-c 0"), folder, &["--threads", "1"]);
+        command.stderr(Stdio::piped()).env("FAIL_MARK", &self.mark);
+        command.env("LD_PRELOAD", &self.library).env("FAIL_CALL", call.to_string());
+        let output = command.env("FAIL_SIZE", smallest.to_string()).output().expect("the program runs");
+        (output, fs::read_to_string(&self.mark).unwrap_or_default())
+    }
+
+    /// Returns the number of allocations of the shell and the program.
+    fn count(&self, case: &FaultCase, folder: &Path, smallest: u64) -> u64 {
+        let (output, mark) = self.run(case, folder, 0, smallest);
+        assert!(output.status.success(), "{output:?}");
+        mark.trim().strip_prefix("counted ").and_then(|count| count.parse().ok()).expect("a number of allocations")
+    }
+}
+
+#[test]
+fn run_loses_nothing_if_an_allocation_fails() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let Some(allocations) = FailingAllocations::new(scratch.path()) else { return };
+    let case = FaultCase::new("bar", &small_run(scratch.path()), &[], scratch.path());
+    let folder = scratch.path().join("results");
+    let mut ends = Vec::new();
+    // Small ones are most of them; large ones are those of the mesh, the state and the files.
+    for smallest in [1, 1024] {
+        let count = allocations.count(&case, &folder, smallest);
+        assert!(count > 100, "{count} allocations of {smallest} bytes");
+        // Even numbers over the whole run, and the last ones, which belong to the end of the run.
+        let spread = (1..=24).map(|part| count * part / 24);
+        let last = (1..=8).map(|number| count.saturating_sub(number * number * number));
+        for call in spread.chain(last) {
+            fs::remove_dir_all(&folder).ok();
+            let (output, mark) = allocations.run(&case, &folder, call.max(1), smallest);
+            let context = format!("allocation {call} of {count} with {smallest} bytes or more ({})", mark.trim());
+            let end = end_of(&output, &context);
+            assert_nothing_is_lost(&case, &folder, end, &context);
+            ends.push(end);
+        }
+    }
+    let number = |end| ends.iter().filter(|other| **other == end).count();
+    let [completed, message, aborted] = [MemoryEnd::Completed, MemoryEnd::Message, MemoryEnd::Abort].map(number);
+    println!("{} runs: {completed} completed, {message} with a message, {aborted} aborted", ends.len());
+    assert!(aborted > 20, "{ends:?}");
+}
+
+/// The memory of the process is limited to values between that at which the deck is read and that at which the run ends.
+#[test]
+fn run_loses_nothing_under_any_limit_of_memory() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let deck = fs::read_to_string(small_run(scratch.path())).expect("a deck");
+    fs::write(scratch.path().join("bar.inp"), deck.replace("nr = 2", "nr = 40").replace("nz = 6", "nz = 200"))
+        .expect("a deck");
+    let case = FaultCase::new("bar", &scratch.path().join("bar.inp"), &[], scratch.path());
+    let folder = scratch.path().join("results");
+    let run = |kilobytes: u64| {
+        fs::remove_dir_all(&folder).ok();
+        let limit = format!("-c 0 -v {kilobytes}").replace("-c 0 ", "-c 0; ulimit ");
+        let mut command = case.command(under_limit(&limit), &folder, &["--threads", "1"]);
+        command.stderr(Stdio::piped()).output().expect("the program runs")
+    };
+    // The largest limit at which the loader does not start the program, and the smallest at which the run ends.
+    let (mut too_little, mut enough) = (4_000, 4_000_000);
+    assert!(run(enough).status.success());
+    while enough - too_little > 200 {
+        let middle = too_little.midpoint(enough);
+        let status = run(middle).status;
+        if status.success() { enough = middle } else { too_little = middle }
+    }
+    let mut least = 4_000;
+    while run(least).status.code() == Some(127) {
+        least += 2_000;
+    }
+    let mut ends = Vec::new();
+    for part in 0..=20 {
+        let kilobytes = least + (enough - least) * part / 20;
+        let output = run(kilobytes);
+        let context = format!("{kilobytes} kB");
+        let end = end_of(&output, &context);
+        assert_nothing_is_lost(&case, &folder, end, &context);
+        ends.push(end);
+    }
+    let number = |end| ends.iter().filter(|other| **other == end).count();
+    let [completed, message, aborted] = [MemoryEnd::Completed, MemoryEnd::Message, MemoryEnd::Abort].map(number);
+    println!(
+        "{least} to {enough} kB, {} limits: {completed} completed, {message} with a message, {aborted} aborted",
+        ends.len()
+    );
+    assert!(message + aborted > 10 && completed > 0, "{ends:?}");
+}
