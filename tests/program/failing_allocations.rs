@@ -11,7 +11,7 @@ use std::process::{Command, Output, Stdio};
 
 use crate::common::{fortran, project, revolve};
 use crate::failing_writes::small_run;
-use crate::faults::{FaultCase, under_limit};
+use crate::faults::{FaultCase, results, under_limit};
 
 /// Signal of an abort.
 const ABORT: i32 = 6;
@@ -48,10 +48,14 @@ fn end_of(output: &Output, context: &str) -> MemoryEnd {
 /// Asserts that files are complete, that a run that has not ended is not called completed, and that it can be continued.
 fn assert_nothing_is_lost(case: &FaultCase, folder: &Path, end: MemoryEnd, context: &str) {
     case.check(folder);
-    if end != MemoryEnd::Completed {
-        let info = revolve(&["info", folder.to_str().expect("a name")]);
-        let words = String::from_utf8_lossy(&info.stdout);
-        assert!(!words.contains("completed"), "{context}: {words}");
+    let info = revolve(&["info", folder.to_str().expect("a name")]);
+    let words = String::from_utf8_lossy(&info.stdout);
+    if words.contains(": completed") {
+        let found = results(folder);
+        let missing = case.results.iter().find(|(name, bytes)| found.get(*name) != Some(bytes));
+        assert_eq!(missing.map(|file| file.0), None, "{context}: a completed run without this file");
+    } else {
+        assert!(end != MemoryEnd::Completed, "{context}: {words}");
     }
     fs::create_dir_all(folder).expect("a folder");
     case.resume(folder, "2");
@@ -124,6 +128,16 @@ fn run_loses_nothing_if_an_allocation_fails() {
     assert!(aborted > 20, "{ends:?}");
 }
 
+/// Returns the smallest number for which a condition holds, by bisection to 100 and a thousandth.
+fn smallest_limit(mut too_small: u64, mut enough: u64, holds: impl Fn(u64) -> bool) -> u64 {
+    assert!(holds(enough));
+    while enough - too_small > 100 + too_small / 1_000 {
+        let middle = too_small.midpoint(enough);
+        if holds(middle) { enough = middle } else { too_small = middle }
+    }
+    enough
+}
+
 /// The memory of the process is limited to values between that at which the deck is read and that at which the run ends.
 #[test]
 fn run_loses_nothing_under_any_limit_of_memory() {
@@ -135,25 +149,21 @@ fn run_loses_nothing_under_any_limit_of_memory() {
     let folder = scratch.path().join("results");
     let run = |kilobytes: u64| {
         fs::remove_dir_all(&folder).ok();
-        let limit = format!("-c 0 -v {kilobytes}").replace("-c 0 ", "-c 0; ulimit ");
-        let mut command = case.command(under_limit(&limit), &folder, &["--threads", "1"]);
+        let limits = format!("-c 0; ulimit -v {kilobytes}");
+        let mut command = case.command(under_limit(&limits), &folder, &["--threads", "1"]);
         command.stderr(Stdio::piped()).output().expect("the program runs")
     };
-    // The largest limit at which the loader does not start the program, and the smallest at which the run ends.
-    let (mut too_little, mut enough) = (4_000, 4_000_000);
-    assert!(run(enough).status.success());
-    while enough - too_little > 200 {
-        let middle = too_little.midpoint(enough);
-        let status = run(middle).status;
-        if status.success() { enough = middle } else { too_little = middle }
-    }
-    let mut least = 4_000;
-    while run(least).status.code() == Some(127) {
-        least += 2_000;
-    }
+    // Below the first limit the loader of the system ends the program, with 127 or by a signal; below the second one the stacks
+    // of the threads do not fit; above the last one the run ends.
+    let starts = smallest_limit(4_000, 1_000_000, |limit| matches!(run(limit).status.code(), Some(0..=2)));
+    let has_threads = |output: &Output| !String::from_utf8_lossy(&output.stderr).contains("cannot start 1 threads");
+    let runs = smallest_limit(starts, 1_000_000, |limit| has_threads(&run(limit)));
+    let ends_at = smallest_limit(runs, 1_000_000, |limit| run(limit).status.success());
+    let refused = String::from_utf8_lossy(&run(starts.midpoint(runs)).stderr).into_owned();
+    assert!(refused.contains("the limit of the process (ulimit -v) is"), "{refused}");
+    let spread = |[from, to]: [u64; 2], parts: u64| (0..=parts).map(move |part| from + (to - from) * part / parts);
     let mut ends = Vec::new();
-    for part in 0..=20 {
-        let kilobytes = least + (enough - least) * part / 20;
+    for kilobytes in spread([starts, runs], 3).chain(spread([runs, ends_at], 16)) {
         let output = run(kilobytes);
         let context = format!("{kilobytes} kB");
         let end = end_of(&output, &context);
