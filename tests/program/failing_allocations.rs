@@ -173,7 +173,7 @@ fn run_loses_nothing_under_any_limit_of_memory() {
     let number = |end| ends.iter().filter(|other| **other == end).count();
     let [completed, message, aborted] = [MemoryEnd::Completed, MemoryEnd::Message, MemoryEnd::Abort].map(number);
     println!(
-        "{least} to {enough} kB, {} limits: {completed} completed, {message} with a message, {aborted} aborted",
+        "{starts}, {runs} to {ends_at} kB, {} limits: {completed} completed, {message} with a message, {aborted} aborted",
         ends.len()
     );
     assert!(message + aborted > 10 && completed > 0, "{ends:?}");
