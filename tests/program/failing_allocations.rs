@@ -6,6 +6,7 @@
 #![cfg(target_os = "linux")]
 
 use std::fs;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -13,8 +14,9 @@ use crate::common::{fortran, project, revolve};
 use crate::failing_writes::small_run;
 use crate::faults::{FaultCase, results, under_limit};
 
-/// Signal of an abort.
+/// Signals of an abort, and of the loader of the system without memory.
 const ABORT: i32 = 6;
+const SEGMENTATION_FAULT: i32 = 11;
 
 /// How a run under too little memory has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +31,6 @@ enum MemoryEnd {
 
 /// Returns how a run has ended; panics if it is none of the permitted ways.
 fn end_of(output: &Output, context: &str) -> MemoryEnd {
-    use std::os::unix::process::ExitStatusExt as _;
     let words = String::from_utf8_lossy(&output.stderr);
     match (output.status.code(), output.status.signal()) {
         (Some(0), _) => MemoryEnd::Completed,
@@ -155,11 +156,13 @@ fn run_loses_nothing_under_any_limit_of_memory() {
     };
     // Below the first limit the loader of the system ends the program, with 127 or by a signal; below the second one the stacks
     // of the threads do not fit; above the last one the run ends.
-    let starts = smallest_limit(4_000, 1_000_000, |limit| matches!(run(limit).status.code(), Some(0..=2)));
+    let starts = smallest_limit(4_000, 1_000_000, |limit| {
+        !matches!(run(limit).status.code(), Some(127)) && run(limit).status.signal() != Some(SEGMENTATION_FAULT)
+    });
     let has_threads = |output: &Output| !String::from_utf8_lossy(&output.stderr).contains("cannot start 1 threads");
     let runs = smallest_limit(starts, 1_000_000, |limit| has_threads(&run(limit)));
     let ends_at = smallest_limit(runs, 1_000_000, |limit| run(limit).status.success());
-    let refused = String::from_utf8_lossy(&run(starts.midpoint(runs)).stderr).into_owned();
+    let refused = String::from_utf8_lossy(&run(runs - 2_000).stderr).into_owned();
     assert!(refused.contains("the limit of the process (ulimit -v) is"), "{refused}");
     let spread = |[from, to]: [u64; 2], parts: u64| (0..=parts).map(move |part| from + (to - from) * part / parts);
     let mut ends = Vec::new();
