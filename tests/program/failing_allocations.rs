@@ -42,6 +42,8 @@ fn end_of(output: &Output, context: &str) -> MemoryEnd {
             assert!(words.contains("memory allocation of") && !words.contains("panicked"), "{context}: {words}");
             MemoryEnd::Abort
         }
+        // The system cannot extend the stack, and ends the program as `kill` does.
+        (_, Some(SEGMENTATION_FAULT)) => MemoryEnd::Abort,
         _ => panic!("{context}: {}: {words}", output.status),
     }
 }
