@@ -11,7 +11,7 @@ cargo mutants --version 2>/dev/null | grep -q " $version$" ||
     cargo install cargo-mutants --version "$version" --locked --root "$tools"
 # Quick builds with the same results.
 export CARGO_PROFILE_RELEASE_INCREMENTAL=true CARGO_PROFILE_RELEASE_CODEGEN_UNITS=64 CARGO_PROFILE_RELEASE_OPT_LEVEL=1
-export CARGO_PROFILE_RELEASE_DEBUG=0 REVOLVE_INSTALL=no
+export CARGO_PROFILE_RELEASE_PACKAGE_REVOLVE_ANALYSIS_CODEGEN_UNITS=64 CARGO_PROFILE_RELEASE_DEBUG=0 REVOLVE_INSTALL=no
 places=(--package revolve-numerics --package revolve-solver)
 total=$(cargo mutants --list "${places[@]}" 2>/dev/null | wc -l)
 shards=$((total / count))

@@ -4,16 +4,20 @@
 //! Goal: no input is parsed and silently ignored. Source: the table itself; `words/pairs.txt` has for each used entry
 //! two decks that differ only in this entry.
 
+mod scenes;
+mod together;
+
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
+use self::scenes::pairs;
 use crate::common::{self, RecordedOutput};
 use revolve::deck::keywords::{DataShape, InputRule, InputUsage, Keyword, KeywordTier, keywords};
 use revolve::deck::value::{FLAG, ValueKind};
 use revolve::deck::{self, Card, DataLine, Deck};
-use revolve::job;
+use revolve::job::{self, PreparedJob};
 use revolve::solve;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, EosLaw, EosResponse, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer,
@@ -32,63 +36,6 @@ fn entries() -> Vec<(String, &'static Keyword, &'static InputRule)> {
         }
     }
     all
-}
-
-/// One line of the table of pairs.
-struct DeckPair {
-    name: String,
-    texts: [String; 2],
-}
-
-/// Applies changes: `from => to`, or `@mark lines`.
-fn changed(text: &str, changes: &str, definitions: &HashMap<&str, &str>) -> String {
-    let mut text = text.to_owned();
-    for change in changes.split(";;").map(str::trim).filter(|c| !c.is_empty()) {
-        if let Some(name) = change.strip_prefix('$') {
-            text = changed(&text, definitions[name.trim()], definitions);
-            continue;
-        }
-        let plain = |s: &str| s.replace("\\n", "\n");
-        let (from, to) = match change.strip_prefix('@') {
-            Some(rest) => {
-                let (mark, lines) = rest.split_once(' ').expect("a mark and lines");
-                (format!("**{mark}\n"), format!("**{mark}\n{}\n", plain(lines)))
-            }
-            None => {
-                let (from, to) = change.split_once("=>").unwrap_or_else(|| panic!("no change: {change}"));
-                (plain(from.strip_suffix(' ').unwrap_or(from)), plain(to.strip_prefix(' ').unwrap_or(to)))
-            }
-        };
-        assert!(text.contains(&from), "`{change}` finds nothing in\n{text}");
-        text = text.replacen(&from, &to, 1);
-    }
-    text
-}
-
-fn pairs() -> Vec<DeckPair> {
-    let base = |name: &str| {
-        std::fs::read_to_string(common::project(&format!("tests/deck/words/{name}.inp"))).expect("a deck of the pairs")
-    };
-    let bases: HashMap<&str, String> =
-        ["solid", "shell", "cohesive", "rigid", "parts"].map(|name| (name, base(name))).into();
-    let table = std::fs::read_to_string(common::project("tests/deck/words/pairs.txt")).expect("the table of pairs");
-    let lines = table.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
-    let (definitions, lines): (Vec<&str>, Vec<&str>) = lines.partition(|l| l.starts_with("def "));
-    let definitions: HashMap<&str, &str> =
-        definitions.iter().map(|l| l[4..].split_once('|').expect("a definition")).map(|(n, t)| (n.trim(), t)).collect();
-    let pair = |line: &&str| {
-        let columns: Vec<&str> = line.split(" | ").collect();
-        let [name, deck, last] = columns[..] else { panic!("three columns: {line}") };
-        let mut parts = deck.split(" + ");
-        let mut text = bases[parts.next().expect("a deck").trim()].clone();
-        for part in parts {
-            let part = part.trim();
-            text = changed(&text, definitions.get(part).copied().unwrap_or(part), &definitions);
-        }
-        let other = changed(&text, last, &definitions);
-        DeckPair { name: name.trim().into(), texts: [text, other] }
-    };
-    lines.iter().map(pair).collect()
 }
 
 /// User subroutines whose answers depend on all their arguments.
@@ -189,8 +136,8 @@ impl UserLengths for TestSubroutines {
     }
 }
 
-/// Returns all results of a deck, without the places of diagnostics and ledger rows.
-fn results(folder: &Path, text: &str) -> String {
+/// Returns the user subroutines of the tests.
+fn test_subroutines() -> Routines {
     let routines = Routines::none()
         .with_load(TestSubroutines)
         .with_motion(TestSubroutines)
@@ -198,9 +145,20 @@ fn results(folder: &Path, text: &str) -> String {
         .with_material(TestSubroutines)
         .with_eos("METAL", TestSubroutines);
     let routines = routines.with_hardening(TestSubroutines).with_fields(TestSubroutines).with_lengths(TestSubroutines);
-    let routines = routines.with_nodal_fields(TestSubroutines).with_friction(TestSubroutines);
-    let name = folder.join("pair.inp");
-    let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
+    routines.with_nodal_fields(TestSubroutines).with_friction(TestSubroutines)
+}
+
+/// Prepares a deck in a folder.
+fn prepare(folder: &Path, text: &str, routines: &Routines) -> PreparedJob {
+    job::prepare_text(&folder.join("pair.inp").display().to_string(), text, &[], routines)
+}
+
+/// Returns all results of a deck with the subroutines of the tests, without the places of diagnostics and ledger rows.
+fn results(folder: &Path, text: &str) -> String {
+    results_of(&prepare(folder, text, &test_subroutines()))
+}
+
+fn results_of(prepared: &PreparedJob) -> String {
     let mut message_text = String::new();
     for finding in prepared.diagnostics.iter() {
         writeln!(message_text, "{} {} {:?}", finding.code, finding.message, finding.help).expect("text");

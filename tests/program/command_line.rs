@@ -412,3 +412,26 @@ fn samples_are_compared_with_a_measured_column() {
     let errors = text(&output.stderr);
     assert!(output.status.code() == Some(2) && errors.contains("it has V, mass, depth"), "{errors}");
 }
+
+/// Two checks of a deck give the same text, also on a busy machine; the measured run time is a note on standard error.
+#[test]
+fn checks_of_a_deck_give_the_same_text() {
+    let folder = std::fs::read_dir(project("input")).expect("decks");
+    let mut decks: Vec<_> = folder.map(|entry| entry.expect("an entry").path()).collect();
+    decks.retain(|path| path.extension().is_some_and(|extension| extension == "inp"));
+    assert!(decks.len() > 20);
+    let mut timed = 0;
+    for deck in decks {
+        let name = deck.to_str().expect("a name").to_owned();
+        // Both at the same time: they disturb each other.
+        let check = || revolve(&["check", &name]);
+        let [first, second] = std::thread::scope(|scope| {
+            [scope.spawn(check), scope.spawn(check)].map(|thread| thread.join().expect("an output"))
+        });
+        let text = String::from_utf8_lossy(&first.stdout).into_owned();
+        assert_eq!(text, String::from_utf8_lossy(&second.stdout), "{name}");
+        assert!(!text.contains("on this machine"), "{text}");
+        timed += usize::from(String::from_utf8_lossy(&first.stderr).contains("note: run time on this machine"));
+    }
+    assert!(timed > 10, "{timed}");
+}

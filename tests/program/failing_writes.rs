@@ -78,7 +78,7 @@ fn has_succeeded(output: &Output, folder: &Path, failure: Failure, context: &str
 }
 
 /// Returns a run of a few milliseconds with frames, histories and checkpoints.
-fn small_run(scratch: &Path) -> PathBuf {
+pub fn small_run(scratch: &Path) -> PathBuf {
     let deck = fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
     let changes = [
         ("nr = 10", "nr = 2"),

@@ -18,7 +18,7 @@ use crate::common::fortran;
 
 /// A deck with its settings, its undisturbed run time and its results.
 pub struct FaultCase {
-    name: &'static str,
+    pub name: &'static str,
     arguments: Vec<String>,
     /// Folder of compiled user subroutines.
     cache: PathBuf,
@@ -54,9 +54,7 @@ impl FaultCase {
 
     /// Runs the deck under a limit of the shell's `ulimit`.
     fn limited(&self, limit: &str, folder: &Path, more: &[&str]) -> ExitStatus {
-        let mut shell = Command::new("sh");
-        shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_revolve")]);
-        self.command(shell, folder, more).status().expect("the program runs")
+        self.command(under_limit(limit), folder, more).status().expect("the program runs")
     }
 
     /// Resumes the run to its end and compares all files.
@@ -104,6 +102,13 @@ impl FaultCase {
         }
         frames.len()
     }
+}
+
+/// Returns the program under a limit of the shell's `ulimit`.
+pub fn under_limit(limit: &str) -> Command {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_revolve")]);
+    shell
 }
 
 /// Returns whether rows are the first of all rows, with at most one more at the end.
@@ -219,6 +224,38 @@ fn cases(scratch: &Path) -> Vec<FaultCase> {
     ]
 }
 
+/// Returns a liner with new meshes, a block with an adaptive mesh, a pin with cohesive surfaces and a disc with cohesive elements.
+pub fn cases_of_new_meshes_and_bonds(scratch: &Path) -> Vec<FaultCase> {
+    let input = |name: &str| project(&format!("input/{name}.inp"));
+    let block = fs::read_to_string(input("indentation")).expect("a deck");
+    let more_frames = block.replace("field, number interval=10", "field, number interval=20");
+    assert_ne!(more_frames, block);
+    let adaptive = scratch.join("block.inp");
+    fs::write(&adaptive, more_frames).expect("a deck");
+    let case = |name, deck: &Path, settings: &[&str], every| {
+        let settings = settings.iter().flat_map(|setting| ["--set", *setting]);
+        let arguments: Vec<&str> = ["--checkpoint-every", every].into_iter().chain(settings).collect();
+        FaultCase::new(name, deck, &arguments, scratch)
+    };
+    let cases = vec![
+        case("new meshes", &input("jet"), &["k=2", "T=8.e-6"], "40"),
+        case("adaptive mesh", &adaptive, &["n=12"], "200"),
+        case("cohesive surfaces", &input("push_out"), &["n=10", "m=7"], "400"),
+        case("cohesive elements", &input("debonding_disc"), &["n=1", "T=4.e-4"], "700"),
+    ];
+    for (case, effect) in cases.iter().zip(["ALLADV", "ALLADV", "ALLDMD", "ALLDMD"]) {
+        let summary = case.results.iter().find(|(name, _)| name.ends_with(".json")).expect("a summary").1;
+        assert!(String::from_utf8_lossy(summary).contains("verdict"), "{}", case.name);
+        let table = case.results.iter().find(|(name, _)| name.ends_with("_history.csv")).expect("histories").1;
+        let table = String::from_utf8_lossy(table);
+        let column = table.lines().next().and_then(|header| header.split(',').position(|name| name == effect));
+        let last_row = table.lines().last().expect("a row").split(',').collect::<Vec<_>>();
+        let value = last_row[column.expect("a column")].parse::<f64>().expect("a number");
+        assert!(value > 0.0, "{}: {effect} is {value}", case.name);
+    }
+    cases
+}
+
 /// Kills runs at random moments and resumes from the files, in some runs with a second kill.
 fn kill(times: usize, seed: u64) {
     let scratch = tempfile::tempdir().expect("a folder");
@@ -271,6 +308,14 @@ fn kill_cases(times: usize, seed: u64, cases: &[FaultCase], scratch: &Path) {
 #[test]
 fn runs_killed_at_random_moments_resume() {
     kill(16, 20_250_611);
+}
+
+/// New meshes, adaptive meshes, cohesive elements and surfaces; the verdict is part of the compared summary.
+#[test]
+fn runs_with_new_meshes_and_bonds_resume_after_kills() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let cases = cases_of_new_meshes_and_bonds(scratch.path());
+    kill_cases(12, 20_261_130, &cases, scratch.path());
 }
 
 /// Kills runs with a user subroutine that has internal state.

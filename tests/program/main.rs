@@ -10,6 +10,7 @@ mod diagram;
 mod error_map;
 mod evaluate;
 mod extending;
+mod failing_allocations;
 mod failing_writes;
 mod faults;
 mod fragments;

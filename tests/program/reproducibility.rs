@@ -14,6 +14,7 @@ use revolve::user::compile::compile;
 use crate::common;
 use crate::common::solid::{grid, material};
 use crate::common::{pairs, project};
+use crate::faults::{cases_of_new_meshes_and_bonds, results};
 
 /// Returns the digest of a deck on a number of threads; `None` if the machine lacks the instruction set.
 fn digest(
@@ -97,6 +98,31 @@ fn every_deck_has_one_digest() {
         ("bar with deletion", bar(&material(206e3, 0.3, 7.83e-9, tough), 2e-7), None),
         ("bar with an equation of state", bar(eos, 2e-7), None),
     ]));
+}
+
+/// New meshes, adaptive meshes and bonds: all files, and with them the verdict, are the same on any number of threads and with
+/// each instruction set of the machine.
+#[test]
+fn new_meshes_and_bonds_give_the_same_files() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let mut compared = 0;
+    for case in cases_of_new_meshes_and_bonds(scratch.path()) {
+        for [threads, instructions] in [["1", "scalar"], ["2", "avx2"], ["5", "avx512"], ["3", "scalar"]] {
+            let folder = scratch.path().join("again");
+            fs::remove_dir_all(&folder).ok();
+            let program = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"));
+            let mut command = case.command(program, &folder, &["--threads", threads, "--instructions", instructions]);
+            if !command.status().expect("the program runs").success() && instructions != "scalar" {
+                println!("on this machine: no {instructions}, so its files are not compared");
+                continue;
+            }
+            let files = results(&folder);
+            let differing = case.results.iter().find(|(name, bytes)| files.get(*name) != Some(bytes));
+            assert_eq!(differing.map(|file| file.0), None, "{}: {threads} threads, {instructions}", case.name);
+            compared += 1;
+        }
+    }
+    assert!(compared >= 8, "{compared} runs");
 }
 
 #[test]

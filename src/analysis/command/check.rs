@@ -12,6 +12,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::options::{DeckOptions, OutputOptions, QuietOption};
+use super::words::print_err;
 use super::{CommandStatus, accept, words};
 
 /// Check a deck without running it: diagnostics, model summary and ledger of the simulated effects.
@@ -72,6 +73,10 @@ impl CheckCommand {
             words::write(format_args!("{output}"), true);
         }
         words::write(format_args!("{}", prepared.plan.ledger.render(self.bytes)), false);
+        // On standard error: two checks of a deck give the same text on standard output.
+        if let Some(run_time) = overview.as_ref().and_then(DeckOverview::run_time) {
+            print_err!("note: {run_time}");
+        }
         Ok(super::output_status())
     }
 

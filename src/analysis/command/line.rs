@@ -101,10 +101,13 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
 fn restrict() -> Result<(), String> {
     untrusted::restrict();
     let limit = untrusted::time_limit()?;
-    std::thread::spawn(move || {
+    let end = move || {
         std::thread::sleep(limit);
         print_err!("error: the time limit of --untrusted, {} s, is reached", limit.as_secs_f64());
         std::process::exit(i32::from(CommandStatus::HALTED.0));
-    });
-    Ok(())
+    };
+    let thread = std::thread::Builder::new().name("time limit".into()).spawn(end);
+    thread
+        .map(drop)
+        .map_err(|error| format!("the time limit of --untrusted needs a thread, which cannot be started: {error}"))
 }

@@ -16,7 +16,7 @@ use crate::output::lock::FolderLock;
 use crate::report::QuantityLabels;
 use crate::study::StudyError;
 use crate::study::log::RunLog;
-use crate::user::thread_pool;
+use crate::user::{thread_failure, thread_pool};
 
 /// Returns the parser of the path of a deck, whose ending `.inp` may be left out.
 pub fn deck_parser() -> impl TypedValueParser<Value = PathBuf> {
@@ -102,7 +102,7 @@ impl ThreadOption {
 
 /// Starts so many threads for all later parallel loops.
 pub fn start_threads(count: usize) -> Result<(), String> {
-    thread_pool(count).build_global().map_err(|e| format!("cannot start threads: {e}"))
+    thread_pool(count).build_global().map_err(|error| thread_failure(count, &error))
 }
 
 /// Result folder of a command that writes several files.

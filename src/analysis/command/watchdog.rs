@@ -15,6 +15,8 @@ const GRACE: Duration = Duration::from_millis(800);
 const SILENCE: Duration = Duration::from_secs(10);
 /// Multiple of the longest increment so far that both times are at least.
 const LONGER: u32 = 3;
+/// Stack of the thread in bytes.
+const STACK: usize = 512 << 10;
 /// Time between two looks at the run.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -39,11 +41,14 @@ pub struct Watchdog<'a> {
 }
 
 impl Watchdog<'_> {
-    /// Watches a run in another thread while `work` runs.
+    /// Watches a run in another thread while `work` runs; if the system starts no thread, the run is not watched.
     pub fn during<T>(&self, work: impl FnOnce() -> T) -> T {
         std::thread::scope(|threads| {
-            let thread = threads.spawn(|| self.watch()).thread().clone();
-            let _end = EndOnDrop(self.position, thread);
+            let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(threads, || self.watch());
+            if let Err(error) = &thread {
+                print_err!("warning: runs without progress are not reported: no thread could be started: {error}");
+            }
+            let _end = thread.ok().map(|thread| EndOnDrop(self.position, thread.thread().clone()));
             work()
         })
     }

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
-use super::types::{AssignedInteraction, ContactDomain, GeneralContact, InteractionLaw};
+use super::types::{AssignedInteraction, ContactDomain, ContactDomains, GeneralContact, InteractionLaw};
 use super::{clearance, contact, surface_contact};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine, Word};
@@ -40,11 +40,11 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
         let Some(general) = &mut steps.state().general_contact else { return };
         let third_field = || card.given_field(at, 2);
         match (card.keyword.name, line.field(2)) {
-            ("CONTACT INCLUSIONS", _) if domains.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
+            ("CONTACT INCLUSIONS", _) if domains.sides.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
                 let message = "contact of analytical surfaces with each other is not supported";
                 context.unsupported(line.span, message, "one of the surfaces must have elements");
             }
-            ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
+            ("CONTACT INCLUSIONS", _) => general.included.push(domains),
             ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
             ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, f64::from_value(third_field()))),
             ("CONTACT FORMULATION", _) => general.roles.push((domains, usize::from_value(third_field()) < 2)),
@@ -76,14 +76,14 @@ fn names_of_pair(line: &DataLine) -> String {
 
 /// Returns the pair of surfaces of a data line. An empty first field is the whole exterior, an empty second field
 /// the first.
-fn domains(context: &mut Context<'_>, line: &DataLine) -> Option<[ContactDomain; 2]> {
+fn domains(context: &mut Context<'_>, line: &DataLine) -> Option<ContactDomains> {
     let first = domain(context, line.field(0))?;
     let second = match line.field(1).filter(|w| !w.text.is_empty()) {
         None if line.field(0).is_none_or(|w| w.text.is_empty()) => ContactDomain::All,
         None => first.clone(),
         some => domain(context, some)?,
     };
-    Some([first, second])
+    Some(ContactDomains { sides: [first, second], span: line.span })
 }
 
 fn domain(context: &mut Context<'_>, word: Option<&Word>) -> Option<ContactDomain> {

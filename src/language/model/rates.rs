@@ -15,6 +15,16 @@ pub fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
     }
 }
 
+/// Returns whether a rate dependence differs between temperatures.
+pub fn depends_on_temperature(rate: &RateDependence) -> bool {
+    match rate {
+        RateDependence::JohnsonCook(_) => false,
+        RateDependence::PowerLaw(rows) | RateDependence::YieldRatio(rows) => {
+            rows.iter().any(|row| row[2].is_finite() && row[2] != rows[0][2])
+        }
+    }
+}
+
 /// Splits rows of a value, its abscissa and temperature (NaN if absent) into one table for each consecutive
 /// temperature.
 pub fn blocks(rows: &[[f64; 3]]) -> Vec<(f64, LinearTable)> {

@@ -466,10 +466,10 @@ fn visit_sides(sides: &mut SideSelection, visit: &mut dyn FnMut(MemberList<'_>))
 
 fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<'_>)) {
     let GeneralContact { included, excluded, assigned, clearances, penalties, roles, .. } = general;
-    let domains =
-        included.iter_mut().map(|i| &mut i.0).chain(excluded).chain(assigned.iter_mut().map(|a| &mut a.domains));
+    let domains = included.iter_mut().chain(excluded).chain(assigned.iter_mut().map(|a| &mut a.domains));
     let more = clearances.iter_mut().map(|c| &mut c.0).chain(penalties.iter_mut().map(|p| &mut p.0));
-    for domain in domains.chain(more).chain(roles.iter_mut().map(|role| &mut role.0)).flatten() {
+    let all = domains.chain(more).chain(roles.iter_mut().map(|role| &mut role.0));
+    for domain in all.flat_map(|domains| &mut domains.sides) {
         if let ContactDomain::Surface(sides) = domain {
             visit_sides(sides, visit);
         }

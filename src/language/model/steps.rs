@@ -53,7 +53,8 @@ fn check_general_contact(context: &mut Context<'_>, steps: &mut StepReader) {
     }
     let Some(state) = &steps.current else { return };
     let Some(general) = &state.general_contact else { return };
-    if !general.all && general.included.is_empty() && general.span.start > state.span.start {
+    let is_new = general.span.start > state.span.start || context.model.steps.is_empty();
+    if !general.all && general.included.is_empty() && is_new {
         let message = "*CONTACT without *CONTACT INCLUSIONS: nothing is in contact";
         let diagnostic = Diagnostic::warning("M154", message).at(general.span, "no contact domain follows");
         context.diagnostics.push(diagnostic.help("add *CONTACT INCLUSIONS, ALL EXTERIOR"));

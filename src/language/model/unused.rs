@@ -5,19 +5,22 @@ use std::collections::HashSet;
 use super::context::Context;
 use super::names::upper;
 use super::types::{IncrementControl, MaterialDefinition};
+use crate::deck::keywords::CardPlace;
 use crate::deck::{Card, Span, Word};
 
-/// Cards that define something by NAME that other cards refer to. Sets and surfaces, which programs write in great number, and
-/// materials of libraries are not listed.
-const DEFINITIONS: [&str; 9] = [
+/// Cards that define something by NAME that other cards refer to. Sets and surfaces, which programs write in great number, are
+/// not listed, and materials only in the deck's own file, since libraries of materials are included.
+const DEFINITIONS: [&str; 11] = [
     "ADAPTIVE MESH CONTROLS",
     "AMPLITUDE",
     "CONTACT CLEARANCE",
     "CONTACT INITIALIZATION DATA",
     "INCIDENT WAVE INTERACTION PROPERTY",
     "INTEGRATED OUTPUT SECTION",
+    "MATERIAL",
     "SECTION CONTROLS",
     "SURFACE INTERACTION",
+    "TARGET",
     "TIME POINTS",
 ];
 
@@ -30,14 +33,19 @@ pub fn list_unused(context: &mut Context<'_>) {
         return;
     }
     let (unused, used) = (unused_names(context), UsedControls::of(context));
-    let cards = context.deck.cards.iter().filter(|card| !card.faulty);
-    for card in cards {
+    let cards = context.deck.cards.iter().enumerate().filter(|(_, card)| !card.faulty);
+    for (index, card) in cards {
         let name = card.value("NAME").map(|word| upper(&word.text));
         match card.keyword.name {
+            "MATERIAL" if card.span.file != 0 => {}
             keyword if DEFINITIONS.contains(&keyword) && name.as_ref().is_some_and(|name| unused.contains(name)) => {
                 context.ignore(keyword, card.span, "no other card names it");
             }
             "SECTION CONTROLS" => controls_without_effect(context, card, (&name.unwrap_or_default(), &used)),
+            "GAP HEAT GENERATION" if !has_sibling(&context.deck.cards, index, "FRICTION") => {
+                context.ignore("GAP HEAT GENERATION", card.span, "the interaction has no *FRICTION");
+            }
+            "CONCRETE FAILURE" => limits_of_absent_damage(context, index),
             "CONTACT PROPERTY ASSIGNMENT" => assignments_without_interaction(context, card),
             "CONTACT INCLUSIONS" if card.has("ALL EXTERIOR") => {
                 for line in card.lines.iter().filter(|line| line.field(0).is_some()) {
@@ -67,6 +75,61 @@ pub fn list_unused(context: &mut Context<'_>) {
         }
     }
     accuracy_of_given_increments(context);
+    adiabatic_without_dissipation(context);
+    amplitudes_of_steps(context);
+}
+
+/// Returns whether a card with the same parent as the card at an index has the keyword.
+fn has_sibling(cards: &[Card], index: usize, keyword: &str) -> bool {
+    let CardPlace::Below(parents) = cards[index].keyword.place else { return false };
+    let is_parent = |card: &Card| parents.contains(&card.keyword.name);
+    let first = cards[..index].iter().rposition(is_parent).map_or(0, |parent| parent + 1);
+    let siblings = cards[first..].iter().take_while(|card| !is_parent(card));
+    siblings.into_iter().any(|card| card.keyword.name == keyword)
+}
+
+/// Lists limits of the damage of concrete without a table of this damage.
+fn limits_of_absent_damage(context: &mut Context<'_>, index: usize) {
+    let cards = &context.deck.cards;
+    for (field, name, table) in
+        [(2, "tensile damage", "CONCRETE TENSION DAMAGE"), (3, "compressive damage", "CONCRETE COMPRESSION DAMAGE")]
+    {
+        let word = cards[index].lines.first().and_then(|line| line.field(field));
+        if let Some(word) = word.filter(|_| !has_sibling(cards, index, table)) {
+            let why = format!("the material has no *{table}: this damage is 0");
+            context.ignore(format!("CONCRETE FAILURE, {name}"), word.span, &why);
+        }
+    }
+}
+
+/// Lists ADIABATIC if no material converts work to heat.
+fn adiabatic_without_dissipation(context: &mut Context<'_>) {
+    let heats = |material: &MaterialDefinition| {
+        material.plastic.is_some()
+            || material.has_strength_law()
+            || material.foam.shape.is_some()
+            || material.eos.is_some()
+            || material.user.material.is_some()
+    };
+    if context.model.materials.iter().any(heats) {
+        return;
+    }
+    for card in context.deck.cards.iter().filter(|card| card.keyword.name == "DYNAMIC" && card.has("ADIABATIC")) {
+        context.ignore("DYNAMIC, ADIABATIC", card.span, "no material converts work to heat");
+    }
+}
+
+/// Lists AMPLITUDE of steps without loads and without prescribed motions.
+fn amplitudes_of_steps(context: &mut Context<'_>) {
+    let cards = context.deck.cards.iter().filter(|card| card.keyword.name == "STEP");
+    let idle: Vec<Span> = cards
+        .zip(&context.model.steps)
+        .filter(|(_, step)| step.loads.is_empty() && step.boundaries.iter().all(|boundary| boundary.value == 0.0))
+        .filter_map(|(card, _)| Some(card.parameter("AMPLITUDE")?.span))
+        .collect();
+    for span in idle {
+        context.ignore("STEP, AMPLITUDE", span, "the step has no loads and no prescribed motions");
+    }
 }
 
 /// Returns the names of definitions that no card mentions, in capitals: neither as the value of a parameter except NAME, nor in a

@@ -16,7 +16,7 @@ use crate::state::halt::{HaltDetails, HaltReason};
 pub use eos::{EosLaw, EosResponse};
 pub use law::{ElasticModuli, MaterialLaw, MaterialPoint, PointQuantity};
 pub use saved_memory::{PersistentMemory, SavedMemory};
-pub use stack::{STACK, thread_pool};
+pub use stack::{STACK, thread_failure, thread_pool};
 
 /// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
 pub const MAX_BLOCK: usize = 512;

@@ -16,9 +16,9 @@ use crate::solve::{self, END_OF_TRIAL, HaltReason, Instant, Progress, RunControl
 /// Estimated increments and run time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunEstimate {
-    /// Time increment at the end of the trial run.
+    /// Time increment at the end of the trial run; the mean one if the trial run covered the whole run.
     pub increment: f64,
-    /// Element that limits the increment; empty if none does.
+    /// Element that limits the increment, or the smallest one of the last step; empty if none does.
     pub limiting_element: String,
     /// Number of increments of the whole run with this increment.
     pub increments: f64,
@@ -63,6 +63,8 @@ struct TrialRun<'a> {
 /// .1 to .5 s. The same deck thus has the same estimate on each machine.
 const WORK: f64 = 3e6;
 const WORK_OF_INCREMENT: f64 = 50.0;
+/// Share of this work for decks with `*REMESH`, whose new meshes take up to ten times as long as their increments.
+const SHARE_WITH_NEW_MESHES: f64 = 0.1;
 /// Share of the work of `check` that `run` does to count increments.
 pub const COUNTING_SHARE: f64 = 0.06;
 /// Largest number of points of the frames of a trial run.
@@ -144,6 +146,7 @@ pub fn measure(plan: &Plan, state: State, share: f64) -> Option<RunEstimate> {
         last_frame: 0.0,
         output_time: Duration::ZERO,
     };
+    let share = if plan.remesh.is_none() { share } else { share * SHARE_WITH_NEW_MESHES };
     let most_increments = (share * WORK / (WORK_OF_INCREMENT + plan.mesh.elements.len() as f64)).ceil() as u64;
     let control =
         RunControl { interrupt: Some(&stop), most_increments: Some(most_increments), ..RunControl::default() };
@@ -151,11 +154,15 @@ pub fn measure(plan: &Plan, state: State, share: f64) -> Option<RunEstimate> {
     let ended = !matches!(outcome.halt, Some(HaltReason::Interrupted(_)));
     let (mean_bytes, [[frames, _], [rows, _]]) = (trial.mean_bytes(ended), trial.written);
     let counted = [(ended && !trial.skipped.get()).then_some(frames), ended.then_some(rows)];
-    let TrialRun { increment, limiting, fraction, output_time, .. } = trial;
+    let TrialRun { mut increment, mut limiting, fraction, output_time, .. } = trial;
     let run_time = (outcome.seconds - output_time.as_secs_f64()).max(0.0);
     let halt = outcome.halt.as_ref().filter(|_| ended).map(HaltReason::to_string);
     let increments_made = outcome.increments as f64;
     let (increments, seconds, looked_at) = if ended && halt.is_none() {
+        // The last report of the progress, which is made from time to time, differs between runs.
+        let total: f64 = outcome.steps.iter().map(|step| step.time).sum();
+        increment = total / increments_made.max(1.0);
+        limiting = outcome.steps.last().and_then(|step| step.limiting_element.clone()).unwrap_or_default();
         (increments_made, run_time, 1.0)
     } else if outcome.increments == 0 || increment <= 0.0 {
         return None;

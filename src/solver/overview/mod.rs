@@ -83,9 +83,14 @@ impl DeckOverview {
         }
     }
 
-    /// Formats the summary as text.
+    /// Formats the summary as text, which is the same each time: without the measured run time.
     pub fn render(&self) -> String {
         text::render(self)
+    }
+
+    /// Returns the measured run time as a sentence; `None` without a trial run.
+    pub fn run_time(&self) -> Option<String> {
+        text::run_time(self.effort.as_ref()?)
     }
 }
 

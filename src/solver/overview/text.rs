@@ -102,20 +102,31 @@ fn effort(effort: &RunEstimate, unit: &str) -> String {
         "" => String::new(),
         element => format!(" (element {element})"),
     };
-    // The increment decreases when elements are compressed, so the estimate is a lower bound.
-    let least = if effort.looked_at < 1.0 { "at least " } else { "" };
-    // One digit: the measured time varies.
-    let time = seconds(to_digits(effort.seconds, 1));
+    let least = at_least(effort);
     let looked = if effort.looked_at < 1.0 {
         format!("extrapolated from {} of the run", percent(effort.looked_at))
     } else {
-        "measured over the whole run".to_owned()
+        "counted over the whole run".to_owned()
     };
     let increment = short(effort.increment);
-    format!(
-        "time increment {increment}{unit}{limited}: {least}{:.0} increments, {least}{time} on this machine without output ({looked})\n",
-        round(effort.increments)
-    )
+    format!("time increment {increment}{unit}{limited}: {least}{:.0} increments ({looked})\n", round(effort.increments))
+}
+
+/// Returns the words before an estimate: the increment decreases when elements are compressed, so that an estimate from a part
+/// of the run is a lower bound.
+fn at_least(effort: &RunEstimate) -> &'static str {
+    if effort.looked_at < 1.0 { "at least " } else { "" }
+}
+
+/// Returns the run time as a sentence; `None` if the trial run halted. It is not part of the summary, which is the same each
+/// time.
+pub(super) fn run_time(effort: &RunEstimate) -> Option<String> {
+    if effort.halt.is_some() {
+        return None;
+    }
+    // One digit: the measured time varies.
+    let time = seconds(to_digits(effort.seconds, 1));
+    Some(format!("run time on this machine, measured without output: {}{time}", at_least(effort)))
 }
 
 fn percent(fraction: f64) -> String {

@@ -110,7 +110,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut report);
     let body_states = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
     let eroding = solids::erosion::plan(scene, State::new(solid_state, body_states, thermal), &mut report);
-    let pairs = contact::general::find_pairs(scene);
+    let pairs = contact::general::find_pairs(scene, &mut report);
     let (columns, recording) = output::plan(scene, &pairs, eroding, &mut report);
     let PlannedSteps { list: steps, fronts, mut state } = steps::plan(scene, &links, &pairs, recording, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);

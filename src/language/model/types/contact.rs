@@ -162,6 +162,15 @@ pub enum ContactDomain {
     Analytical(RigidSurfaceId),
 }
 
+/// The two sides of pairs in general contact, as a data line gives them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactDomains {
+    /// Both sides.
+    pub sides: [ContactDomain; 2],
+    /// Source position of the data line.
+    pub span: Span,
+}
+
 /// General contact (`*CONTACT`): contacting pairs are found from the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeneralContact {
@@ -169,19 +178,19 @@ pub struct GeneralContact {
     pub span: Span,
     /// Whether all exterior faces may contact each other and all analytical surfaces (`ALL EXTERIOR`).
     pub all: bool,
-    /// Included pairs of `*CONTACT INCLUSIONS`, with their data lines.
-    pub included: Vec<([ContactDomain; 2], Span)>,
+    /// Included pairs of `*CONTACT INCLUSIONS`.
+    pub included: Vec<ContactDomains>,
     /// Excluded pairs of `*CONTACT EXCLUSIONS`.
-    pub excluded: Vec<[ContactDomain; 2]>,
+    pub excluded: Vec<ContactDomains>,
     /// Assigned interactions; for a pair that several assignments cover, the last one applies.
     pub assigned: Vec<AssignedInteraction>,
     /// Assigned initial clearances; for a pair that several assignments cover, the last one applies.
-    pub clearances: Vec<([ContactDomain; 2], PrescribedClearance)>,
+    pub clearances: Vec<(ContactDomains, PrescribedClearance)>,
     /// Scale factors of the penalty stiffness of the covered pairs, which use penalty contact; the last assignment
     /// applies.
-    pub penalties: Vec<([ContactDomain; 2], f64)>,
+    pub penalties: Vec<(ContactDomains, f64)>,
     /// Pairs with a given secondary surface: whether it is the first one; the last assignment applies.
-    pub roles: Vec<([ContactDomain; 2], bool)>,
+    pub roles: Vec<(ContactDomains, bool)>,
     /// Whether nodes whose elements are all deleted leave the contact (`NODAL EROSION=YES`).
     pub excludes_detached_nodes: bool,
 }
@@ -190,7 +199,7 @@ pub struct GeneralContact {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedInteraction {
     /// Both sides of the pair: surfaces, or the whole exterior.
-    pub domains: [ContactDomain; 2],
+    pub domains: ContactDomains,
     /// Surface interaction that is assigned, if one is given.
     pub interaction: Option<InteractionId>,
     /// Normal behaviour, friction and heat exchange of the interaction.

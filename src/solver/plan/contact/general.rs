@@ -6,10 +6,11 @@ use std::rc::Rc;
 
 use indexmap::IndexSet;
 
+use crate::deck::Span;
 use crate::kernel::lists::sorted_unique;
 use crate::model::{
-    AnalyticalSide, ContactDomain, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection, Step,
-    SurfaceContact,
+    AnalyticalSide, ContactDomain, ContactDomains, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection,
+    Step, SurfaceContact,
 };
 use crate::plan::contact::curves::CurveContext;
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, parts_in_contact};
@@ -44,11 +45,11 @@ struct SurfacePairing {
     sides: [PairedSurface; 2],
     /// Indices of the assigned interaction, clearance and penalty factor and role.
     given: [Option<usize>; 4],
-    span: crate::deck::Span,
+    span: Span,
 }
 
 impl SurfacePairing {
-    fn new(sides: [&PairedSurface; 2], span: crate::deck::Span) -> SurfacePairing {
+    fn new(sides: [&PairedSurface; 2], span: Span) -> SurfacePairing {
         SurfacePairing { sides: sides.map(PairedSurface::clone), given: [None; 4], span }
     }
 
@@ -58,7 +59,7 @@ impl SurfacePairing {
 }
 
 /// Finds the contact pairs of each step: those of `*CONTACT PAIR` and those of general contact.
-pub fn find_pairs(scene: Scene) -> Pairs {
+pub fn find_pairs(scene: Scene, report: &mut Report) -> Pairs {
     let mut pairs = Pairs::default();
     let steps = &scene.model.steps;
     for (index, step) in steps.iter().enumerate() {
@@ -69,23 +70,54 @@ pub fn find_pairs(scene: Scene) -> Pairs {
             pairs.by_step.extend(pairs.by_step.last().cloned());
             continue;
         }
-        let general = step.general_contact.iter().flat_map(|general| general_pairs(scene, general));
-        let of_step: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(general).collect();
+        let general = step.general_contact.as_ref().map(|general| general_pairs(scene, general, report));
+        let of_general = general.into_iter().flatten();
+        let of_step: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(of_general).collect();
         pairs.names.extend(of_step.iter().map(pair_name));
         pairs.by_step.push(Rc::new(of_step));
     }
+    note_unused_analytical_surfaces(scene.model, &pairs, report);
     pairs
 }
 
-fn general_pairs(scene: Scene, general: &GeneralContact) -> Vec<SurfaceContact> {
+/// Lists analytical surfaces that no contact pair includes.
+fn note_unused_analytical_surfaces(model: &Model, pairs: &Pairs, report: &mut Report) {
+    let in_contact: HashSet<usize> = pairs
+        .by_step
+        .iter()
+        .flat_map(|of_step| of_step.iter().filter_map(|pair| Some(pair.analytical.as_ref()?.surface.index())))
+        .collect();
+    for (index, (name, surface)) in model.surfaces.analytical.iter().enumerate() {
+        if !in_contact.contains(&index) {
+            report.add_unused_card(surface.span, format!("analytical surface {name}"), "it is in no contact pair");
+        }
+    }
+}
+
+/// Returns the pairs of general contact, and lists assignments that cover none of them.
+fn general_pairs(scene: Scene, general: &GeneralContact, report: &mut Report) -> Vec<SurfaceContact> {
     let mut meetings = included_meetings(scene, general);
+    let mut note_unused = |card: &str, span: Span| {
+        report.add_unused_card(span, card, "general contact includes no such pair");
+    };
     for domains in &general.excluded {
+        let is_covered =
+            |meeting: &SurfacePairing| split_by_domains(meeting.clone(), domains).iter().any(|part| part.1);
+        if !meetings.iter().any(is_covered) {
+            note_unused("*CONTACT EXCLUSIONS", domains.span);
+        }
         meetings = uncovered(meetings, domains);
     }
-    meetings = assign_domains(meetings, 0, general.assigned.iter().map(|a| &a.domains));
-    meetings = assign_domains(meetings, 1, general.clearances.iter().map(|c| &c.0));
-    meetings = assign_domains(meetings, 2, general.penalties.iter().map(|p| &p.0));
-    meetings = assign_domains(meetings, 3, general.roles.iter().map(|r| &r.0));
+    let assignments: [(&str, Vec<&ContactDomains>); 4] = [
+        ("*CONTACT PROPERTY ASSIGNMENT", general.assigned.iter().map(|a| &a.domains).collect()),
+        ("initial clearance", general.clearances.iter().map(|c| &c.0).collect()),
+        ("*CONTACT CONTROLS ASSIGNMENT", general.penalties.iter().map(|p| &p.0).collect()),
+        ("*CONTACT FORMULATION", general.roles.iter().map(|r| &r.0).collect()),
+    ];
+    for (what, (card, domains)) in assignments.into_iter().enumerate() {
+        let unused = assign_domains(&mut meetings, what, &domains);
+        unused.into_iter().for_each(|span| note_unused(card, span));
+    }
     meetings.retain_mut(|m| is_of_bodies(scene, m));
     let contact = |m: SurfacePairing| {
         let analytical = analytical_side(scene, &m);
@@ -112,12 +144,12 @@ fn general_pairs(scene: Scene, general: &GeneralContact) -> Vec<SurfaceContact> 
 fn included_meetings(scene: Scene, general: &GeneralContact) -> Vec<SurfacePairing> {
     let surfaces = all_surfaces(scene);
     let mut meetings = Vec::new();
-    let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
+    let of_all = general.included.iter().find(|i| matches!(i.sides, [ContactDomain::All, ContactDomain::All]));
     if general.all || of_all.is_some() {
-        add_all(&surfaces, of_all.map_or(general.span, |i| i.1), &mut meetings);
+        add_all(&surfaces, of_all.map_or(general.span, |i| i.span), &mut meetings);
         return meetings;
     }
-    for (index, (domains, span)) in general.included.iter().enumerate() {
+    for (index, ContactDomains { sides: domains, span }) in general.included.iter().enumerate() {
         let [first, second] = [&domains[0], &domains[1]].map(|domain| named_surfaces(scene.model, domain));
         let mut included = Vec::new();
         match (first, second) {
@@ -130,12 +162,13 @@ fn included_meetings(scene: Scene, general: &GeneralContact) -> Vec<SurfacePairi
             }
             (None, None) => {}
         }
-        let earlier = general.included[..index].iter().filter(|(earlier, _)| {
+        let earlier = general.included[..index].iter().filter(|included| {
+            let earlier = &included.sides;
             // An inclusion with all surfaces does not contain the surface's own body.
             let is_of_two = !earlier.contains(&ContactDomain::All);
             is_of_two || earlier == domains || earlier.iter().rev().eq(domains)
         });
-        for (earlier, _) in earlier {
+        for earlier in earlier {
             included = uncovered(included, earlier);
         }
         meetings.extend(included);
@@ -245,9 +278,9 @@ pub fn name_of_piece(model: &Model, piece: &[usize], sets: &SetsOfParts, is_take
 
 /// Returns the index of the surface of a pair that carries the contact pressures. `is_first` is whether the surface of the
 /// first domain does.
-fn secondary_of(sides: &[PairedSurface; 2], (domains, is_first): &([ContactDomain; 2], bool)) -> usize {
+fn secondary_of(sides: &[PairedSurface; 2], (domains, is_first): &(ContactDomains, bool)) -> usize {
     let within = |side: &PairedSurface, domain: &ContactDomain| split(side, domain).1.is_empty();
-    let first_is_first = within(&sides[0], &domains[0]) && within(&sides[1], &domains[1]);
+    let first_is_first = within(&sides[0], &domains.sides[0]) && within(&sides[1], &domains.sides[1]);
     usize::from(first_is_first != *is_first)
 }
 
@@ -258,7 +291,7 @@ pub fn pair_name(contact: &SurfaceContact) -> String {
 }
 
 /// Adds all pairs of surfaces and self-contact of each, except for the two sides of one shell.
-fn add_all(all: &[PairedSurface], span: crate::deck::Span, meetings: &mut Vec<SurfacePairing>) {
+fn add_all(all: &[PairedSurface], span: Span, meetings: &mut Vec<SurfacePairing>) {
     for (i, a) in all.iter().enumerate() {
         let others = all[i..].iter().filter(|b| !are_opposite(a, b));
         meetings.extend(others.filter_map(|b| paired([a, b], [all, all], span)));
@@ -266,7 +299,7 @@ fn add_all(all: &[PairedSurface], span: crate::deck::Span, meetings: &mut Vec<Su
 }
 
 /// Adds the pairs of each surface of one list with each surface of another.
-fn add_product([first, second]: [&[PairedSurface]; 2], span: crate::deck::Span, meetings: &mut Vec<SurfacePairing>) {
+fn add_product([first, second]: [&[PairedSurface]; 2], span: Span, meetings: &mut Vec<SurfacePairing>) {
     for a in first {
         meetings.extend(second.iter().filter_map(|b| paired([a, b], [first, second], span)));
     }
@@ -275,11 +308,7 @@ fn add_product([first, second]: [&[PairedSurface]; 2], span: crate::deck::Span, 
 /// Returns the pair of two surfaces, with an analytical surface as the second one. There is none of two analytical
 /// surfaces, and none with the negative side of a shell whose positive side is in the same list: nodes contact an
 /// analytical surface on either side.
-fn paired(
-    [a, b]: [&PairedSurface; 2],
-    lists: [&[PairedSurface]; 2],
-    span: crate::deck::Span,
-) -> Option<SurfacePairing> {
+fn paired([a, b]: [&PairedSurface; 2], lists: [&[PairedSurface]; 2], span: Span) -> Option<SurfacePairing> {
     let is_second_side = |one: &PairedSurface, list: &[PairedSurface]| list.iter().any(|o| is_opposite(one, o));
     match (a.analytical, b.analytical) {
         (Some(_), Some(_)) => None,
@@ -300,31 +329,32 @@ fn are_opposite(a: &PairedSurface, b: &PairedSurface) -> bool {
     is_opposite(a, b) || is_opposite(b, a)
 }
 
-/// Assigns to each surface pair the index of the last domain that covers it, as its property `what` (interaction,
-/// clearance or penalty factor).
-fn assign_domains<'a>(
-    mut meetings: Vec<SurfacePairing>,
-    what: usize,
-    domains: impl Iterator<Item = &'a [ContactDomain; 2]>,
-) -> Vec<SurfacePairing> {
-    for (index, domains) in domains.enumerate() {
+/// Assigns to each surface pair the index of the last domains that cover it, as its property `what` (interaction,
+/// clearance, penalty factor or role). Returns the places of domains that cover no pair.
+fn assign_domains(meetings: &mut Vec<SurfacePairing>, what: usize, domains: &[&ContactDomains]) -> Vec<Span> {
+    let mut unused = Vec::new();
+    for (index, domains) in domains.iter().enumerate() {
+        let mut is_used = false;
         let take = |(mut m, covered): (SurfacePairing, bool)| {
             m.given[what] = if covered { Some(index) } else { m.given[what] };
+            is_used |= covered;
             m
         };
-        meetings = meetings.into_iter().flat_map(|m| split_by_domains(m, domains)).map(take).collect();
+        let parts = std::mem::take(meetings).into_iter().flat_map(|m| split_by_domains(m, domains));
+        *meetings = parts.map(take).collect();
+        unused.extend((!is_used).then_some(domains.span));
     }
-    meetings
+    unused
 }
 
 /// Returns the parts of surface pairs that two domains do not cover.
-fn uncovered(meetings: Vec<SurfacePairing>, domains: &[ContactDomain; 2]) -> Vec<SurfacePairing> {
+fn uncovered(meetings: Vec<SurfacePairing>, domains: &ContactDomains) -> Vec<SurfacePairing> {
     meetings.into_iter().flat_map(|m| split_by_domains(m, domains)).filter(|m| !m.1).map(|m| m.0).collect()
 }
 
 /// Splits a surface pair into the parts that two domains cover (`true`) and the others.
-fn split_by_domains(meeting: SurfacePairing, domains: &[ContactDomain; 2]) -> Vec<(SurfacePairing, bool)> {
-    if let [ContactDomain::All, ContactDomain::All] = domains {
+fn split_by_domains(meeting: SurfacePairing, domains: &ContactDomains) -> Vec<(SurfacePairing, bool)> {
+    if let [ContactDomain::All, ContactDomain::All] = &domains.sides {
         return vec![(meeting, true)];
     }
     let way = |m: SurfacePairing, [first, second]: [&ContactDomain; 2]| -> Vec<(SurfacePairing, bool)> {
@@ -342,7 +372,7 @@ fn split_by_domains(meeting: SurfacePairing, domains: &[ContactDomain; 2]) -> Ve
             [part_of([a.clone(), b], true), part_of([a, rest_b], false), part_of([rest_a, m.sides[1].clone()], false)];
         parts.into_iter().filter(|p| p.0.sides.iter().all(|s| !s.is_empty())).collect()
     };
-    let [first, second] = domains;
+    let [first, second] = &domains.sides;
     let parts = way(meeting, [first, second]);
     parts.into_iter().flat_map(|(m, covered)| if covered { vec![(m, true)] } else { way(m, [second, first]) }).collect()
 }

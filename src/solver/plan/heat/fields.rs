@@ -56,6 +56,7 @@ pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut SolidState)
 pub fn plan(scene: Scene, state: &SolidState, report: &mut Report) -> Option<Box<PredefinedFields>> {
     let most_read = materials_present(scene).map(fields_read).max().unwrap_or(0);
     note_unused_variables(scene.model, most_read, report);
+    note_unset_variables(scene, report);
     let warmed = warmed_groups(scene, state, report);
     let is_read = |variable: PredefinedVariable| match variable {
         PredefinedVariable::Temperature => !warmed.is_empty(),
@@ -224,6 +225,27 @@ fn warmed_groups(scene: Scene, state: &SolidState, report: &mut Report) -> BTree
         spans.into_iter().for_each(|span| report.add_unused_card(span, "*TEMPERATURE", why));
     }
     warmed
+}
+
+/// Lists tables over field variables that no card sets, and field variables of user subroutines that no table depends on.
+fn note_unset_variables(scene: Scene, report: &mut Report) {
+    let given = given_fields(scene.model);
+    for material in materials_present(scene) {
+        let (depends, user) = (dependencies(material), &material.user);
+        if depends > given && user.fields.is_none() {
+            let why = format!("no card sets field variable {}: it is 0", given + 1);
+            report.add_unused_card(material.span, format!("DEPENDENCIES of {}", material.name), why);
+        }
+        if let Some((_, span)) = &user.fields
+            && depends == 0
+            && user.material.is_none()
+            && user.state.count == 0
+            && !material.has_user_hardening()
+        {
+            let why = "no property of the material depends on field variables";
+            report.add_unused_card(*span, "*USER DEFINED FIELD", why);
+        }
+    }
 }
 
 /// Lists field variables from number `most` on, from 0, as unused.

@@ -82,7 +82,9 @@ fn report_unused_regions(model: &Model, step: &Step, report: &mut Report) {
     let regions = regions.map(|region| (region.span, "REGION TYPE"));
     let motions = step.mesh_motions.iter().filter(|motion| outside(&motion.nodes));
     let motions = motions.map(|motion| (motion.span, "spatial constraint of a mesh"));
-    for (span, what) in regions.chain(motions).collect::<Vec<_>>() {
+    let fixed = step.adaptive_fixed.iter().filter(|(_, nodes)| outside(nodes));
+    let fixed = fixed.map(|(span, _)| (*span, "*ADAPTIVE MESH CONSTRAINT"));
+    for (span, what) in regions.chain(motions).chain(fixed).collect::<Vec<_>>() {
         report.add_unused_card(span, what, "no adaptive mesh contains its nodes");
     }
 }
@@ -115,6 +117,7 @@ fn adaptive_domain(
         refuse_domain(mesh.span, message, help, report);
         return None;
     }
+    note_constraints_of_fixed_nodes(scene, step, &nodes, &fixed, report);
     let sliding = sliding_nodes(scene, step, &motions, fixed.len());
     for place in loaded.iter().filter_map(|node| scene.places.nodes.get(node)) {
         fixed[*place] |= !sliding[*place];
@@ -233,6 +236,25 @@ fn end_nodes<'f>(model: &Model, faces: impl Iterator<Item = &'f (usize, ElementS
         }
     }
     ends
+}
+
+/// Lists constraints of a mesh all of whose nodes move with the material in any case.
+fn note_constraints_of_fixed_nodes(
+    scene: Scene,
+    step: &Step,
+    domain_nodes: &BTreeSet<u32>,
+    fixed: &[bool],
+    report: &mut Report,
+) {
+    for (span, nodes) in &step.adaptive_fixed {
+        let places = nodes.iter().filter_map(|node| scene.places.nodes.get(node).copied());
+        let mut of_domain = places.filter(|place| domain_nodes.contains(&(*place as u32))).peekable();
+        if of_domain.peek().is_some() && of_domain.all(|place| fixed[place]) {
+            let why = "its nodes move with the material in any case: they belong to other bodies, or to elements with \
+                       nodes of links or rigid bodies";
+            report.add_unused_card(*span, "*ADAPTIVE MESH CONSTRAINT", why);
+        }
+    }
 }
 
 /// Marks the nodes of `*ADAPTIVE MESH CONSTRAINT, CONSTRAINT TYPE=LAGRANGIAN`, and the ends of surfaces of REGION

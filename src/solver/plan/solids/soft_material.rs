@@ -8,7 +8,7 @@ use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
 use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
-use crate::model::rates::rate_factor;
+use crate::model::rates::{depends_on_temperature, rate_factor};
 use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RateDependence};
 use crate::plan::Report;
 use crate::plan::solids::solid_properties::SolidProperties;
@@ -69,6 +69,10 @@ pub fn foam_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMat
         Some(RateDependence::JohnsonCook(_)) => {
             let message =
                 format!("material `{name}`: foam supports *RATE DEPENDENT with POWER LAW or YIELD RATIO only");
+            return no_material(span, message, report);
+        }
+        Some(rate) if depends_on_temperature(rate) => {
+            let message = format!("material `{name}`: the rate dependence of foam does not depend on temperature");
             return no_material(span, message, report);
         }
         rate => rate_factor(rate.as_ref()),

@@ -50,12 +50,12 @@ struct MaterialRow {
     law: LawSelection,
 }
 
-/// Material families; the first row that applies is used. A new material is a file in `material`, a variant of
-/// [`SolidMaterial`] and a row here.
+/// Material families; the first row that applies is used. Laws of strength come first, since they refuse the cards of other
+/// families. A new material is a file in `material`, a variant of [`SolidMaterial`] and a row here.
 const MATERIALS: &[MaterialRow] = &[
+    MaterialRow { applies: MaterialDefinition::has_strength_law, law: strength_law },
     MaterialRow { applies: |m| m.hyperelastic.is_some(), law: rubber_law },
     MaterialRow { applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(), law: foam_law },
-    MaterialRow { applies: MaterialDefinition::has_strength_law, law: strength_law },
     MaterialRow { applies: spalls, law: spalling_law },
     MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
     MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },

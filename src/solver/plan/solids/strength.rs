@@ -7,6 +7,7 @@ use crate::kernel::moduli::ElasticModuli;
 use crate::material::returns::ReturnMaterial;
 use crate::material::returns::law::StressReturn;
 use crate::material::returns::spall::SpallingSolid;
+use crate::model::rates::depends_on_temperature;
 use crate::model::strength_law::{self, StrengthFault, StrengthLaw, StrengthWarning, elasticity, fault, yield_table};
 use crate::model::{MaterialDefinition, StrengthCards, TensileFailure};
 use crate::plan::Report;
@@ -105,9 +106,10 @@ fn check_other_cards(solid: &SolidProperties) -> Result<(), StrengthFault> {
         (material.shear_modulus.is_some(), "*ELASTIC, TYPE=SHEAR"),
         (material.eos.is_some(), "*EOS"),
         (material.hyperelastic.is_some(), "*HYPERELASTIC"),
-        (material.foam.shape.is_some(), "*CRUSHABLE FOAM"),
+        (material.foam.shape.is_some() || !material.foam.hardening.is_empty(), "*CRUSHABLE FOAM"),
         (!takes_plastic && material.plastic.is_some(), "*PLASTIC"),
         (cards.drucker_prager.is_none() && material.rate.is_some(), "*RATE DEPENDENT"),
+        (material.rate.as_ref().is_some_and(depends_on_temperature), "*RATE DEPENDENT over temperature"),
         (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
         (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
         (material.failed.is_some(), "*FAILED MATERIAL"),
