@@ -9,8 +9,8 @@
 use std::io;
 use std::path::Path;
 
-use sha2::{Digest as _, Sha256};
 use indexmap::IndexMap;
+use sha2::{Digest as _, Sha256};
 
 use super::hdf5::{Attribute, AttributeValue, Dataset, Element, Group, Hdf5File, RowType, Storage};
 use super::{EntityLabels, FieldArray, FramePoints, OutputFrame};

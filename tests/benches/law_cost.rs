@@ -17,6 +17,26 @@ const ROWS: &str = "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n 900.e6, 5.\n";
 
 /// Elastic constants of copper.
 const COPPER: &str = "*Elastic\n 117.e9, 0.35\n";
+/// Hardening of laws of soil.
+const COHESION: &str = "*Drucker Prager Hardening\n 400.e6, 0.\n 500.e6, 1.\n";
+/// Laws whose strength depends on pressure, damage, porosity or direction, with the stiffness of copper.
+const OF_PRESSURE: [(&str, &str); 8] = [
+    ("Drucker-Prager, linear", "*Drucker Prager\n 20., 1., 0.\n"),
+    ("Drucker-Prager, K = 0.85", "*Drucker Prager\n 20., 0.85, 0.\n"),
+    ("Drucker-Prager, hyperbolic", "*Drucker Prager, shear criterion=HYPERBOLIC\n 20., 100.e6, 0.\n"),
+    ("cap", "*Cap Plasticity\n 400.e6, 20., 0.4, 0., 0.03\n*Cap Hardening\n 400.e6, 0.\n 4000.e6, 0.1\n"),
+    (
+        "damaged concrete",
+        "*Concrete Damaged Plasticity\n 20., 0.1, 1.16, 0.667\n*Concrete Compression Hardening\n 400.e6, 0.\n 500.e6, 1.\n\
+         *Concrete Tension Stiffening\n 200.e6, 0.\n 150.e6, 1.\n",
+    ),
+    ("Hill", "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n*Potential\n 1., 1.05, 0.95, 1.1, 1., 1.\n"),
+    (
+        "porous metal",
+        "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n*Porous Metal Plasticity, relative density=0.98\n 1.5, 1., 2.25\n",
+    ),
+    ("spall", "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n*Tensile Failure, element deletion=NO\n 2.e9,\n"),
+];
 /// Laws without the stiffness of copper, or with an equation of state.
 const OTHERS: [(&str, &str); 7] = [
     (
@@ -84,7 +104,12 @@ pub fn run() {
         "nanoseconds per element and increment, best of {ROUNDS} (over linear hardening; over the plain loop, {loops:.1})"
     );
     let of_copper = laws.map(|(name, law)| (name, format!("{COPPER}{law}")));
-    for (name, law) in of_copper.into_iter().chain(OTHERS.map(|(name, law)| (name, law.to_owned()))) {
+    let of_pressure = OF_PRESSURE.map(|(name, law)| {
+        let hardening = if law.starts_with("*Drucker") { COHESION } else { "" };
+        (name, format!("{COPPER}{law}{hardening}"))
+    });
+    let others = OTHERS.map(|(name, law)| (name, law.to_owned()));
+    for (name, law) in of_copper.into_iter().chain(of_pressure).chain(others) {
         let cost = law_nanoseconds(&law);
         if straight.is_nan() {
             straight = cost;

@@ -11,7 +11,6 @@ use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use sha2::{Digest as _, Sha256};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use revolve::job;
@@ -19,6 +18,7 @@ use revolve::output::checkpoint::Checkpoint;
 use revolve::output::vtu::VtuWriter;
 use revolve::solve::UnfitState;
 use revolve::user::Routines;
+use sha2::{Digest as _, Sha256};
 
 #[path = "../fuzz/readers/mod.rs"]
 mod readers;

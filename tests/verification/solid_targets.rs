@@ -56,7 +56,10 @@ fn hill_yield_around_a_cavity() {
         let cards = sheet(ratios);
         let sphere = expansion_target(&material_of("M", &cards), &TargetSizes::default());
         let message = sphere.err().expect("no sphere").message;
-        assert!(message.contains("axes r, z and hoop are not radial") && message.contains("mesh the target"), "{message}");
+        assert!(
+            message.contains("axes r, z and hoop are not radial") && message.contains("mesh the target"),
+            "{message}"
+        );
         let hole = stress(&*target(&cards, CavityShape::Cylindrical), 300.0).expect("a pressure");
         let mesh = meshed(&cards, CavityShape::Cylindrical, 300.0);
         println!("{ratios}: {hole:e}, meshed {mesh:e} {:+.3} %", 100.0 * (hole / mesh - 1.0));

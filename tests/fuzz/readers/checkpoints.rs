@@ -2,10 +2,10 @@
 //! the correct length are detected by the checksum only (docs/SECURITY.md).
 use std::sync::OnceLock;
 
-use sha2::{Digest as _, Sha256};
 use revolve::job::{self, PreparedJob};
 use revolve::output::checkpoint::{Checkpoint, JobIdentity};
 use revolve::user::Routines;
+use sha2::{Digest as _, Sha256};
 
 /// Bytes of the file head that precede the data of the checksum.
 const HEAD: usize = 40;

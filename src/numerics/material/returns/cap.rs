@@ -117,7 +117,13 @@ impl CapPlasticity {
     }
 
     /// Returns the pressure p = `factor` pb + `offset` at which the compaction is that of the elastic path, exactly.
-    fn pressure_of(&self, trial: f64, (compaction_before, line): (f64, TableLine<'_>), factor: f64, offset: f64) -> f64 {
+    fn pressure_of(
+        &self,
+        trial: f64,
+        (compaction_before, line): (f64, TableLine<'_>),
+        factor: f64,
+        offset: f64,
+    ) -> f64 {
         let bulk = self.moduli.bulk;
         // On the line of the table around the compaction before, if the end is there.
         let near = (factor * (line.value + line.slope * trial / bulk) + offset) / (1.0 + factor * line.slope / bulk);

@@ -190,7 +190,8 @@ impl ConcretePath<'_> {
             (self.outside(&state), state)
         };
         // Without a root the trial is not finite, and neither is the result.
-        nearby_state(start, f64::INFINITY, 1e-10 * size, outside).map_or_else(|| self.state(f64::NAN), |(_, state)| state)
+        nearby_state(start, f64::INFINITY, 1e-10 * size, outside)
+            .map_or_else(|| self.state(f64::NAN), |(_, state)| state)
     }
 }
 
