@@ -31,6 +31,8 @@ fn run_writes_complete_files_with_stable_keys() {
         "rests",
         "ledger",
         "scene",
+        "units",
+        "column_units",
         "materials",
         "timing",
         "deck",

@@ -76,9 +76,9 @@ def test_diagnostics_are_exceptions_and_lists() -> None:
     with pytest.raises(rv.DeckError) as caught:
         broken.run()
     first = caught.value.diagnostics[0]
-    assert (first.severity, first.file, first.line) == ("error", "broken.inp", 43)
-    assert "broken.inp:43" in str(caught.value)
-    assert "*Rigid" in text.splitlines()[42]
+    assert (first.severity, first.file, first.line) == ("error", "broken.inp", 44)
+    assert "broken.inp:44" in str(caught.value)
+    assert "*Rigid" in text.splitlines()[43]
     assert any(d.severity == "error" for d in broken.check())
     again = pickle.loads(pickle.dumps(caught.value))
     assert again.diagnostics == caught.value.diagnostics

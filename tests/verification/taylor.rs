@@ -43,6 +43,8 @@ fn copper_taylor_bar_matches_other_codes() {
 #[test]
 fn global_estimate_saves_increments_with_equal_results() {
     let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+    // New meshes would not be those of the other estimate.
+    let deck = deck.replace("*Step,", "*Remesh, automatic=NO\n*Step,");
     let by_elements = deck.replace("*Dynamic, Explicit", "*Dynamic, Explicit, element by element");
     let [(global, a), (local, b)] = [&deck, &by_elements].map(|text| common::run(text, &[], &Routines::none()));
     assert_eq!((&global.halt, &local.halt), (&None, &None));

@@ -112,17 +112,17 @@ impl StudyCommand {
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         let identity = self.identity(&first, &axes, compiled.as_ref());
+        let (job, _lock) = self.results.lock_job(&self.deck)?;
+        let log = self.resume.log(&job)?;
+        // The thread pool is created here, where a failure can be reported.
+        self.results.threads.start()?;
         if !self.output.is_silent() {
             print_out!("{}", self.describe_plan(&first, &axes));
         }
         drop(first);
-        let (job, _lock) = self.results.lock_job(&self.deck)?;
-        let log = self.resume.log(&job)?;
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.output.quiet.quiet);
         let count_run = || bar.inc(1);
-        // The thread pool is created here, where a failure can be reported.
-        self.results.threads.start()?;
         let mut bench =
             StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &count_run);
         bench.logged(&log, identity);

@@ -22,6 +22,7 @@ impl HighestFrequency {
             return f64::INFINITY;
         }
         if self.wears_at_once(groups, nodes) {
+            self.allocate();
             self.state.wait();
         } else {
             // Immediately: a jump of the time increment would change the energy of the highest modes.

@@ -106,6 +106,12 @@ impl HighestFrequency {
 }
 
 impl HighestFrequency {
+    /// Allocates the memory of a later estimate.
+    pub(super) fn allocate(&mut self) {
+        self.operator.allocate();
+        self.vectors.allocate(self.roots.len());
+    }
+
     /// Returns whether an estimate would be discarded before it pays, because the initial velocities deform elements fast. The
     /// time increment would fall to that of single elements while the accelerations of an impact are largest, which adds
     /// energy: m a² (dt'² - dt²)/8 at each node.

@@ -40,9 +40,14 @@ impl SparseOperator {
         self.pairs.nnz() * (size_of::<[f32; 4]>() + 4) + self.pairs.indptr().len() * 4
     }
 
+    /// Allocates the values.
+    pub(super) fn allocate(&mut self) {
+        self.values.resize(self.pairs.nnz(), [0.0; 4]);
+    }
+
     /// Sums the stiffness of all elements. `roots` are the inverse square roots of the masses.
     pub(super) fn assemble(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, roots: &[[f64; 2]]) {
-        self.values.resize(self.pairs.nnz(), [0.0; 4]);
+        self.allocate();
         self.values.fill([0.0; 4]);
         for group in groups {
             for e in 0..group.len() {
@@ -147,12 +152,17 @@ impl LanczosVectors {
         2 * nodes * size_of::<[f64; 2]>() + chunks_of(nodes) * size_of::<f64>()
     }
 
+    /// Allocates the vectors for this number of nodes.
+    pub(super) fn allocate(&mut self, nodes: usize) {
+        self.before.resize(nodes, [0.0; 2]);
+        self.now.resize(nodes, [0.0; 2]);
+        self.parts.resize(chunks_of(nodes), 0.0);
+    }
+
     /// Returns the largest eigenvalue, increased by the expected error.
     pub(super) fn largest_eigenvalue(&mut self, operator: &SparseOperator, arch: Arch) -> f64 {
         let count = operator.pairs.rows();
-        self.before.resize(count, [0.0; 2]);
-        self.now.resize(count, [0.0; 2]);
-        self.parts.resize(chunks_of(count), 0.0);
+        self.allocate(count);
         let TridiagonalMatrix { diagonal, off_diagonal, size } = self.tridiagonal(operator, arch);
         let mut small = SMatrix::<f64, STEPS, STEPS>::zeros();
         for i in 0..size {

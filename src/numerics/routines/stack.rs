@@ -15,5 +15,5 @@ pub fn thread_failure(threads: usize, error: &rayon::ThreadPoolBuildError) -> St
     let limit = memory_limit()
         .map_or_else(String::new, |limit| format!("; {} is {:.0} MB", limit.name, 1e-6 * limit.bytes as f64));
     let stacks = 1e-6 * (threads * STACK) as f64;
-    format!("cannot start {threads} threads: {error}. Their stacks reserve {stacks:.0} MB of memory{limit}")
+    format!("cannot start {threads} threads, whose stacks reserve {stacks:.0} MB of memory{limit}: {error}")
 }
