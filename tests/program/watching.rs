@@ -228,8 +228,8 @@ fn inconsistent_units_are_reported() {
     let finding = found.as_array().and_then(|l| l.iter().find(|d| d["code"] == "P119")).expect("a finding").clone();
     assert!(finding["line"].is_u64() && finding["column"].is_u64() && finding["file"].is_string(), "{finding}");
     assert!(finding["help"].as_str().is_some_and(|h| h.contains("m, kg, s") && h.contains("2.1")), "{finding}");
-    assert!(!codes(["*Parameter", "*Units\n m, kg, s\n*Parameter"]).0.contains(&"P119".into()));
-    assert!(codes(["*Parameter", "*Units\n mm, t, s\n*Parameter"]).0.contains(&"P119".into()));
+    assert!(!codes(["", ""]).0.contains(&"P119".into()));
+    assert!(codes([" m, kg, s", " mm, t, s"]).0.contains(&"P119".into()));
 }
 
 #[test]
@@ -316,7 +316,7 @@ fn samples_are_run_in_order_with_their_own_results() {
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let runs = found["runs"].as_array().expect("runs");
     assert_eq!(runs.len(), 3);
-    assert_eq!(runs[1]["parameters"], serde_json::json!({"V": "569", "CRH": "2", "n": "10"}));
+    assert_eq!(runs[1]["parameters"], serde_json::json!({"V": 569, "CRH": 2, "n": 10}));
     let depth = |i: usize| number(&runs[i]["values"]["-1000*final(U2@REF)"]);
     assert!(depth(0) > depth(1) && depth(1) > 40.0, "{found}");
     assert!(runs[2]["error"].is_string() && runs[2]["values"].is_null(), "{found}");

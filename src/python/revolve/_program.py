@@ -33,7 +33,12 @@ def record(deck: Deck, command: str, options: Iterable[Option], *, writes: bool 
         if writes:
             words += ["--out", results]
         ended = subprocess.run(
-            words, input=deck.text, capture_output=True, encoding="utf-8", cwd=folder if folder.is_dir() else None
+            words,
+            check=False,
+            input=deck.text,
+            capture_output=True,
+            encoding="utf-8",
+            cwd=folder if folder.is_dir() else None,
         )
     if not ended.stdout:
         raise StudyError(ended.stderr.strip())

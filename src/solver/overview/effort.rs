@@ -6,6 +6,7 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use serde::Serialize;
 
+use crate::output::FramePoints;
 use crate::output::OutputFrame;
 use crate::output::history::row_length;
 use crate::output::sums::SummedWriter;
@@ -65,6 +66,8 @@ const WORK: f64 = 3e6;
 const WORK_OF_INCREMENT: f64 = 50.0;
 /// Share of this work for decks with `*REMESH`, whose new meshes take up to ten times as long as their increments.
 const SHARE_WITH_NEW_MESHES: f64 = 0.1;
+/// Usual length of the origin of the results in a frame, characters.
+const ORIGIN: usize = 190;
 /// Share of the work of `check` that `run` does to count increments.
 pub const COUNTING_SHARE: f64 = 0.06;
 /// Largest number of points of the frames of a trial run.
@@ -139,7 +142,7 @@ pub fn measure(plan: &Plan, state: State, share: f64) -> Option<RunEstimate> {
         increment: 0.0,
         limiting: String::new(),
         fraction: 0.0,
-        vtu: VtuWriter::default(),
+        vtu: VtuWriter::new(FramePoints::default(), &" ".repeat(ORIGIN)),
         skipped: Cell::new(false),
         written: [[0.0; 2]; 2],
         frame_points: 0,

@@ -68,6 +68,9 @@ pub(super) struct Checkpointer<'a> {
     /// Time before which no checkpoint is due, unless `next_increment` is reached.
     next_time: f64,
     next_increment: u64,
+    /// Increment of the next checkpoint at an interval of increments; 0 before the first step. A new mesh at this increment
+    /// only delays the checkpoint.
+    next_of_interval: u64,
     /// State in memory: of the last checkpoint, or the stored one.
     state: Vec<u8>,
     /// File of the stored state, if it is large.
@@ -90,6 +93,7 @@ impl<'a> Checkpointer<'a> {
             next_held: 0,
             next_time: 0.0,
             next_increment: 0,
+            next_of_interval: 0,
             state: Vec::new(),
             file: None,
             has_state: false,
@@ -103,15 +107,25 @@ impl<'a> Checkpointer<'a> {
         self.schedule.advance(now.step_time, now.increment);
         self.has_state = false;
         self.next_held = 0;
-        self.plan_ahead(now);
+        if self.next_of_interval == 0 {
+            self.next_of_interval = self.end_of_interval(now);
+        }
+        self.plan_ahead();
     }
 
-    fn plan_ahead(&mut self, now: &Instant) {
+    /// Returns the increment after an instant at which an interval of increments ends.
+    fn end_of_interval(&self, now: &Instant) -> u64 {
+        match self.control.every {
+            Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
+            _ => u64::MAX,
+        }
+    }
+
+    fn plan_ahead(&mut self) {
         self.next_time = self.schedule.next_time;
         let every = match self.control.every {
-            None => u64::MAX,
-            Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
             Some(CheckpointInterval::Elapsed(_)) => self.clock.next,
+            _ => self.next_of_interval,
         };
         let next_stored = if self.holds { self.next_held } else { u64::MAX };
         let next_stored = next_stored.min(self.control.most_increments.unwrap_or(u64::MAX));
@@ -160,7 +174,7 @@ impl<'a> Checkpointer<'a> {
             self.written = Stopwatch::now();
             at.run.report.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
-        self.plan_ahead(&now);
+        self.plan_ahead();
         if signal == 0 {
             return Ok(());
         }
@@ -198,14 +212,15 @@ impl<'a> Checkpointer<'a> {
         if is_requested {
             self.schedule.advance(now.step_time, now.increment);
         }
-        is_requested
-            || match self.control.every {
-                None => false,
-                Some(CheckpointInterval::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
-                Some(CheckpointInterval::Elapsed(time)) => {
-                    self.clock.due(now.increment) && self.written.elapsed() >= time
-                }
-            }
+        let is_of_interval = match self.control.every {
+            None => false,
+            Some(CheckpointInterval::Increments(_)) => now.increment >= self.next_of_interval,
+            Some(CheckpointInterval::Elapsed(time)) => self.clock.due(now.increment) && self.written.elapsed() >= time,
+        };
+        if is_of_interval {
+            self.next_of_interval = self.end_of_interval(now);
+        }
+        is_requested || is_of_interval
     }
 
     /// Returns to the last complete instant after a halt within an increment: restores the stored state and repeats the
