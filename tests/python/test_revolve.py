@@ -370,7 +370,9 @@ def test_studies_are_those_of_the_program(deck: rv.Deck, tmp_path: Path) -> None
     assert untimed(fitted) == printed("identify", OGIVE, "--shots", shots, *words, *out)
     plates = ROOT / "input" / "plates_derived.inp"
     pressures = rv.Deck(plates).resistance(400.0, material="AL6061", shape="cylindrical")
-    assert untimed(pressures) == printed("resistance", plates, "--to", "400", "--material", "AL6061", "--type", "cylindrical")
+    assert untimed(pressures) == printed(
+        "resistance", plates, "--to", "400", "--material", "AL6061", "--type", "cylindrical"
+    )
     taylor = ROOT / "input" / "taylor_copper.inp"
     curves = rv.Deck(taylor).material(rates=[1.0, 1e4], strain=0.2)
     assert untimed(curves) == printed("material", taylor, "--rates", "1,1e4", "--strain", "0.2", *out)
