@@ -8,10 +8,10 @@
 use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
-use crate::common::{fortran, project, revolve};
-use crate::failing_writes::small_run;
+use crate::common::revolve;
+use crate::failing_writes::{preloaded, small_run};
 use crate::faults::{FaultCase, results, under_limit};
 
 /// Signals of an abort, and of the loader of the system without memory.
@@ -75,14 +75,7 @@ struct FailingAllocations {
 impl FailingAllocations {
     /// Compiles the library; `None` without a compiler.
     fn new(scratch: &Path) -> Option<FailingAllocations> {
-        if !fortran("failing allocations") {
-            return None;
-        }
-        let library = scratch.join("failing_allocations.so");
-        let mut compiler = Command::new(std::env::var("CC").unwrap_or_else(|_| "gcc".into()));
-        compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library);
-        assert!(compiler.arg(project("tests/program/failing_allocations.c")).status().expect("a C compiler").success());
-        Some(FailingAllocations { library, mark: scratch.join("mark") })
+        Some(FailingAllocations { library: preloaded(scratch, "failing_allocations")?, mark: scratch.join("mark") })
     }
 
     /// Runs a case in which all allocations of at least `smallest` bytes fail from number `call` on; 0: none fails. Returns the
@@ -111,7 +104,7 @@ fn run_loses_nothing_if_an_allocation_fails() {
     let case = FaultCase::new("bar", &small_run(scratch.path()), &[], scratch.path());
     let folder = scratch.path().join("results");
     let mut ends = Vec::new();
-    // Small ones are most of them; large ones are those of the mesh, the state and the files.
+    // Most allocations are small; large ones are those of the mesh, the state and the files.
     for smallest in [1, 1024] {
         let count = allocations.count(&case, &folder, smallest);
         assert!(count > 100, "{count} allocations of {smallest} bytes");

@@ -31,6 +31,19 @@ const FAILURES: [Failure; 4] = [
     Failure { error: INPUT_OUTPUT, mode: "once" },
 ];
 
+/// Compiles a library that is loaded before the C library, from its source in this folder; `None` without a compiler.
+pub(crate) fn preloaded(scratch: &Path, name: &str) -> Option<PathBuf> {
+    if !fortran(&name.replace('_', " ")) {
+        return None;
+    }
+    let library = scratch.join(name).with_extension("so");
+    let mut compiler = Command::new(std::env::var("CC").unwrap_or_else(|_| "gcc".into()));
+    compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library);
+    let source = project("tests/program").join(name).with_extension("c");
+    assert!(compiler.arg(source).arg("-ldl").status().expect("a C compiler").success());
+    Some(library)
+}
+
 /// The library and the file in which it records failed calls.
 struct FailingCalls {
     library: PathBuf,
@@ -40,15 +53,7 @@ struct FailingCalls {
 impl FailingCalls {
     /// Compiles the library; `None` without a compiler.
     fn new(scratch: &Path) -> Option<FailingCalls> {
-        if !fortran("failing writes") {
-            return None;
-        }
-        let library = scratch.join("failing_writes.so");
-        let mut compiler = Command::new(std::env::var("CC").unwrap_or_else(|_| "gcc".into()));
-        compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library);
-        let status = compiler.arg(project("tests/program/failing_writes.c")).arg("-ldl").status();
-        assert!(status.expect("a C compiler").success());
-        Some(FailingCalls { library, mark: scratch.join("mark") })
+        Some(FailingCalls { library: preloaded(scratch, "failing_writes")?, mark: scratch.join("mark") })
     }
 
     /// Runs a command in which call number `call` on the folder fails. Returns its output and the failed call; `None` if the

@@ -201,7 +201,7 @@ fn pictures_of_the_gallery_are_small_and_made_by_the_commands_next_to_them() {
 /// Pictures whose content depends on the machine: they show run times.
 const OF_THE_MACHINE: &[&str] = &["price.png"];
 
-/// Every picture of the gallery is drawn anew and compared with the stored one: the share of pixels that differ visibly.
+/// Every picture of the gallery is drawn again and compared with the stored one: the share of pixels that differ visibly.
 #[test]
 fn pictures_of_the_gallery_are_those_of_this_version() {
     let folder = tempfile::tempdir().expect("a folder");

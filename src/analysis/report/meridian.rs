@@ -448,8 +448,8 @@ impl FrameCanvas<'_> {
         let names = if self.view.z_is_horizontal { ["z", "r"] } else { ["r", "z"] };
         let [level, upright] = names.map(|name| axis::title(name, length, exponent));
         drawing.label(TextLabel::new([0.5 * (MARGIN[0] + right), bottom + 46.0], TextAnchor::Middle, level));
-        let beside = TextLabel::new([26.0, MARGIN[2] + 0.5 * high], TextAnchor::Middle, upright);
-        drawing.label(TextLabel { upright: true, ..beside });
+        let label = TextLabel::new([26.0, MARGIN[2] + 0.5 * high], TextAnchor::Middle, upright);
+        drawing.label(TextLabel { upright: true, ..label });
         let on_z = zs.into_iter().map(|z| (self.view.place([0.0, z]), z, self.view.z_is_horizontal));
         let on_r = rs.into_iter().map(|r| (self.view.place([r, low]), r.abs(), !self.view.z_is_horizontal));
         for ([x, y], value, is_level) in on_z.chain(on_r) {

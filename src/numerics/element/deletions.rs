@@ -17,7 +17,7 @@ pub struct Deletions {
     pub free_nodes: Option<Box<FreeNodes>>,
     /// Boundaries of deleted elements.
     pub(super) boundaries: Vec<ElementNodes>,
-    /// Number of them that the loads of this step have processed.
+    /// Number of boundaries that the loads of this step have processed.
     processed: usize,
     /// Number of elements deleted from meshes that have been replaced since.
     on_replaced_meshes: usize,

@@ -320,10 +320,7 @@ impl Elements {
         dofs: &mut Dofs,
         changed: &mut dyn FnMut(usize, [f64; 2]),
     ) -> bool {
-        let starts = step.first.is_none();
-        if !self.mass_scaling.scale(&mut self.groups, step, now, dofs, changed) {
-            return false;
-        }
+        let Some(starts) = self.mass_scaling.scale(&mut self.groups, step, now, dofs, changed) else { return false };
         if let Some(connectors) = &mut self.connectors {
             connectors.bound(&dofs.nodes);
         }

@@ -153,8 +153,7 @@ impl MassScaling {
         arrived.points.iter().for_each(|(n, mass)| masses.nodes[*n] += mass);
     }
 
-    /// Scales the masses if due, before the forces of this instant are computed. Calls `changed` for every node whose
-    /// mass changes, with the increase of its kinetic energy along r and z. Returns whether masses may have changed.
+    /// Scales the masses of elements and nodes if due. Returns whether a step starts; `None` if no mass has changed.
     pub(super) fn scale(
         &mut self,
         groups: &mut [Box<dyn ElementGroup>],
@@ -162,14 +161,14 @@ impl MassScaling {
         now: &Instant,
         dofs: &mut Dofs,
         changed: &mut dyn FnMut(usize, [f64; 2]),
-    ) -> bool {
+    ) -> Option<bool> {
         let starts = step.first.is_none();
         let increment = now.increment - *step.first.get_or_insert(now.increment);
         let mut due = false;
         for variable in &mut step.variable {
             due |= variable.take_if_due(increment, now.step_time);
         }
-        let Some(masses) = self.masses.as_mut().filter(|_| starts || due) else { return false };
+        let masses = self.masses.as_mut().filter(|_| starts || due)?;
         if starts {
             prepare(groups, step);
         }
@@ -184,7 +183,7 @@ impl MassScaling {
             masses.find_factors(groups, &variable.request, &dofs.nodes, FactorSet::All);
         }
         masses.apply(groups, dofs, changed);
-        true
+        Some(starts)
     }
 
     /// Recomputes the limit of the time increment for elements whose mass has decreased. At the start of a step the elements

@@ -201,7 +201,7 @@ impl LawTarget {
         if below == above { Ok(end) } else { Err(too_fast(end)) }
     }
 
-    /// Returns the expansion behind a shock from rest whose front has `place` times the speed of elastic waves; `None` without
+    /// Returns the expansion that follows a shock from rest whose front has `place` times the speed of elastic waves; `None` without
     /// such a shock.
     fn shocked_expansion(&self, place: f64, motion: Motion) -> Option<Expansion> {
         let (path, strain) = shocked_point(&*self.law, self.length, place)?;

@@ -6,7 +6,6 @@ import html
 import json
 import os
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +75,7 @@ class Deck:
         """Values of the ``*PARAMETER`` of the deck."""
         return dict(self._checked(None, None, {})["parameters"])
 
-    @cached_property
+    @property
     def units(self) -> dict[str, str]:
         """Units of ``length``, ``mass``, ``time`` and ``temperature``; empty without ``*UNITS``."""
         return self._checked(None, None, {})["units"] or {}
@@ -151,7 +150,7 @@ class Deck:
             values, reasons = evaluator.run(samples.table, _threads.resolved(threads), told)
         finally:
             _progress.closed(told)
-        return Evaluation(values, wanted, dict(reasons), samples, self.units)
+        return Evaluation(values, wanted, dict(reasons), samples, self)
 
     def _evaluator(
         self,

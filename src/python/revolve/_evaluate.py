@@ -58,8 +58,8 @@ class Evaluation:
     """Errors of the failed runs by row."""
     samples: Samples = field(default_factory=lambda: Samples((), (), np.empty((0, 0))))
     """Samples of the parameters."""
-    units: dict[str, str] = field(default_factory=dict)
-    """Units of the deck by dimension; empty without ``*UNITS``."""
+    deck: Deck | None = None
+    """The deck that was run."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return self.values.astype(dtype) if dtype is not None or copy else self.values
@@ -86,7 +86,7 @@ class Evaluation:
         columns |= {quantity: self.values[:, at] for at, quantity in enumerate(self.quantities)}
         failures = pd.Series([self.reasons.get(row) for row in range(len(self))], dtype=object, name="failure")
         table = pd.DataFrame(columns).assign(failure=failures)
-        table.attrs = {"units": self.units, "fixed": dict(self.samples.fixed)}
+        table.attrs = {"units": self.deck.units if self.deck else {}, "fixed": dict(self.samples.fixed)}
         return table
 
     @property

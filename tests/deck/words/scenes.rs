@@ -50,7 +50,7 @@ pub fn changed(text: &str, changes: &[String]) -> Result<String, String> {
     Ok(text)
 }
 
-/// Splits a text of changes, in which `$name` stands for the changes of a definition.
+/// Splits a text of changes, in which `$name` is replaced by the changes of a definition.
 fn split(changes: &str, definitions: &HashMap<&str, &str>) -> Vec<String> {
     let of_change = |change: &str| match change.strip_prefix('$') {
         Some(name) => split(definitions[name.trim()], definitions),

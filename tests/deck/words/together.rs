@@ -1,5 +1,5 @@
-//! Cards together and cards apart: a card that changes the results of a deck also does so beside the cards of another keyword
-//! with a common target, and without another card of the deck, or a message names it.
+//! Cards together and cards apart: a card that changes the results of a deck also does so with the cards of another keyword
+//! that have a common target, and without another card of the deck, or a message names it.
 //!
 //! Goal: no card takes the effect of another one silently. Source: the scenes of `pairs.txt`; which keywords have a target in
 //! common follows from the keyword table.
@@ -19,7 +19,7 @@ use revolve::user::Routines;
 
 /// Time after which a small deck is considered as unbounded.
 const LONGEST: Duration = Duration::from_secs(20);
-/// Largest number of entries of a card that are tried until one of them changes the results.
+/// Largest number of entries of a card that are tried until one changes the results.
 const MOST_TRIALS: usize = 4;
 
 /// Outcome of a deck and of the same deck with a change of an entry.
@@ -292,7 +292,7 @@ fn cards_with_a_common_target_keep_their_effects() {
     }
     let never = not_combined.difference(&tried).count();
     println!("{} pairs of cards with a common target, {never} pairs have no common deck", tried.len());
-    counts.report("cards beside another card");
+    counts.report("cards with another card");
 }
 
 /// Returns the deck without the card at an index.

@@ -1,4 +1,4 @@
-//! Places of nodes that slide along a surface in contact, and of new nodes on it: which of them contact corrects, and where
+//! Places of nodes that slide along a surface in contact, and of new nodes on it: which nodes contact corrects, and where
 //! analytical surfaces are.
 
 use super::analytical::AnalyticalSurface;

@@ -94,7 +94,7 @@ fn note_unused_analytical_surfaces(model: &Model, pairs: &Pairs, report: &mut Re
     }
 }
 
-/// Returns the pairs of general contact, and lists assignments that cover none of them.
+/// Returns the pairs of general contact, and lists assignments that cover no pair.
 fn general_pairs(scene: Scene, general: &GeneralContact, report: &mut Report) -> Vec<SurfaceContact> {
     let mut meetings = included_meetings(scene, general);
     let mut note_unused = |card: &str, span: Span| {
