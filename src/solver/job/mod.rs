@@ -866,8 +866,8 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         }
     }
     // The following rows are those of the last mesh.
-    for (row, added) in outcome.added_rows {
-        ledger.effects.insert(row.min(ledger.effects.len()), added);
+    if let Some(last) = outcome.last_rows {
+        ledger.follow(last);
     }
     ledger.set_time_shares(&outcome.effect_seconds, outcome.seconds);
     for changes in &outcome.mesh_changes {

@@ -65,6 +65,18 @@ impl Ledger {
         self.effects.len() - 1
     }
 
+    /// Brings the rows into the order of those of a later mesh, and adds the rows that only that one has. Rows that it does not
+    /// have are the last ones.
+    pub fn follow(&mut self, later: Vec<LedgerRow>) {
+        let mut first: Vec<Option<LedgerRow>> = self.effects.drain(..).map(Some).collect();
+        for row in later {
+            let same = |planned: &&mut Option<LedgerRow>| planned.as_ref().is_some_and(|planned| planned.is_same(&row));
+            let planned = first.iter_mut().find(same).and_then(Option::take);
+            self.effects.push(planned.unwrap_or(row));
+        }
+        self.effects.extend(first.into_iter().flatten());
+    }
+
     /// Sets the share of the run time of each effect, from its measured time and the total time in seconds.
     pub fn set_time_shares(&mut self, seconds: &[f64], total: f64) {
         for (row, spent) in self.effects.iter_mut().zip(seconds) {
@@ -130,6 +142,11 @@ const LISTED: usize = 3;
 const WIDTH: usize = 80;
 
 impl LedgerRow {
+    /// Returns whether this row and another one are those of the same effect on two meshes.
+    fn is_same(&self, other: &LedgerRow) -> bool {
+        self.effect == other.effect && self.asked_by == other.asked_by
+    }
+
     fn cells(&self, bytes: bool) -> Vec<String> {
         let places: Vec<&str> = self.asked_by.iter().map(|place| last_name(place)).collect();
         let mut cells = vec![self.effect.clone(), format!("{} {}", self.count, self.unit), places.join(", ")];
@@ -152,7 +169,25 @@ fn last_name(place: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{Ledger, UnusedCard};
+    use super::{Ledger, LedgerRow, UnusedCard};
+
+    /// Rows of a later mesh keep their indices; those of the deck keep their counts.
+    #[test]
+    fn rows_follow_those_of_a_later_mesh() {
+        let rows = |names: &[(&str, usize)]| -> Vec<LedgerRow> {
+            let mut ledger = Ledger::default();
+            for (effect, count) in names {
+                ledger.add(effect, *count, "elements", "a.inp:7".into(), String::new());
+            }
+            ledger.effects
+        };
+        let first = [("plasticity", 5), ("remeshing", 5), ("remeshing", 8), ("deletion", 5)];
+        let mut ledger = Ledger { effects: rows(&first), ..Ledger::default() };
+        ledger.follow(rows(&[("plasticity", 9), ("averaged pressure", 1), ("remeshing", 9), ("remeshing", 12)]));
+        let found: Vec<_> = ledger.effects.iter().map(|row| (&*row.effect, row.count)).collect();
+        assert_eq!(found[..3], [("plasticity", 5), ("averaged pressure", 1), ("remeshing", 5)]);
+        assert_eq!(found[3..], [("remeshing", 8), ("deletion", 5)]);
+    }
 
     #[test]
     fn many_cards_without_effect_are_one_line() {

@@ -7,11 +7,9 @@ use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::smallest_sine;
 use crate::kernel::topology::ElementTopology;
-use crate::plan::ledger::LedgerRow;
 use crate::plan::{AutomaticMeshes, FirstMesh, Plan, RemeshedBody, State};
 use crate::remesh::MeshRevision;
 use crate::remesh::mesher::sharpest;
-use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::variables::Variable;
 
@@ -83,10 +81,12 @@ impl MeshQuality {
         let elements = &run.state.elements;
         match trigger {
             FirstMesh::Squashed(limit) => self.is_collapsed(group, limit, elements),
-            FirstMesh::Turned(limit) => {
-                self.increment = self.increment.max(elements.stable_increment());
-                let is_short = elements.stable_increment() < limit * self.increment;
-                is_short && smallest_sines(&*elements.groups[group], &run.state).any(|sine| sine < 0.0)
+            FirstMesh::Sharp(limit) => {
+                let smallest = smallest_sines(&*elements.groups[group], &run.state).fold(1.0, f64::min);
+                if self.limit == 0.0 {
+                    self.limit = limit.min(WORSE * libm::asin(smallest));
+                }
+                smallest < libm::sin(self.limit)
             }
         }
     }
@@ -158,13 +158,6 @@ pub(super) fn shape_of(state: &State) -> Option<MeshShape> {
         count += 1;
     }
     (count > 0).then(|| MeshShape { smallest_angle: libm::asin(smallest).to_degrees(), turned_corners })
-}
-
-/// Returns the ledger rows of bodies with new meshes that no card names, which the plan of the deck does not have.
-pub(super) fn added_rows(plan: &Plan) -> Vec<(EffectId, LedgerRow)> {
-    let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).filter(|body| body.automatic);
-    let rows = bodies.filter_map(|body| body.id);
-    rows.map(|row| (row, plan.ledger.effects[row].clone())).collect()
 }
 
 /// New meshes of a run.

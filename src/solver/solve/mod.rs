@@ -257,7 +257,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     }
     outcome.deleted = current.state.elements.deletions.count();
     outcome.new_meshes = remesh.counts(plan);
-    outcome.added_rows = mesh_quality::added_rows(plan);
+    outcome.last_rows = plan.remesh.as_ref().map(|_| plan.ledger.effects.clone());
     outcome.mesh_shape = mesh_quality::shape_of(&current.state);
     outcome.energy = current.energy();
     outcome.mesh_changes.extend(current.state.adaptive.iter().map(adaptive_meshes::changes_of));

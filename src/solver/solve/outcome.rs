@@ -14,7 +14,7 @@ use crate::state::halt::HaltReason;
 #[derive(Clone, Debug, Default, Serialize, Persist)]
 // Halts and results at the end do not exist yet; run times belong to this process.
 #[persist(
-    derived: ranges, new_meshes, added_rows, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
+    derived: ranges, new_meshes, last_rows, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
         deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
 )]
 pub struct Outcome {
@@ -47,9 +47,9 @@ pub struct Outcome {
     pub mesh_changes: Vec<MeshChanges>,
     /// Number of new meshes of each body of `*REMESH`, and of each body that has one without a card.
     pub new_meshes: Vec<MeshChanges>,
-    /// Ledger rows that the plan at the end has and the first one does not, with their indices.
+    /// Ledger rows of the plan at the end, to which indices of rows belong, if a body has had a new mesh.
     #[serde(skip)]
-    pub added_rows: Vec<(EffectId, LedgerRow)>,
+    pub last_rows: Option<Vec<LedgerRow>>,
     /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
     pub mesh_shape: Option<MeshShape>,
     /// Shares of materials beyond the range of their constants.

@@ -14,6 +14,8 @@ use crate::variables::Variable;
 
 /// Smallest angle of the elements after the first new mesh, degrees.
 const SHARP: f64 = 15.0;
+/// Smallest angle of adaptive meshes, which smoothing should keep, degrees.
+const SHARP_ADAPTIVE: f64 = 25.0;
 
 /// Bodies that have a new mesh once theirs collapses, and the model with which a plan for it is compiled.
 pub struct AutomaticMeshes {
@@ -37,8 +39,8 @@ struct WaitingBody {
 pub enum FirstMesh {
     /// Its elements are squashed, and the stable time increment is below this fraction of the largest one.
     Squashed(f64),
-    /// A corner of its adaptive mesh has turned over, and the stable time increment is below this fraction of the largest one.
-    Turned(f64),
+    /// Smoothing has not kept the angles of its adaptive mesh above this one, radians.
+    Sharp(f64),
 }
 
 impl AutomaticMeshes {
@@ -89,7 +91,7 @@ impl AutomaticMeshes {
             }
             let touches = touches_faces(pairs, &card.elements);
             let limit = if touches { AutomaticMeshes::COLLAPSED_AT_FACES } else { AutomaticMeshes::COLLAPSED };
-            let trigger = if adapts { FirstMesh::Turned(limit) } else { FirstMesh::Squashed(limit) };
+            let trigger = if adapts { FirstMesh::Sharp(card.angle) } else { FirstMesh::Squashed(limit) };
             Some(WaitingBody { group, section: index, trigger })
         });
         let bodies: Vec<WaitingBody> = waiting.collect();
@@ -133,11 +135,13 @@ impl AutomaticMeshes {
 /// Returns the card of the body of a section.
 fn card_of(model: &Model, section: usize) -> Remeshing {
     let section = &model.sections[section];
+    let elements = sorted_unique(section.elements.iter().copied());
+    let angle = if moves_nodes(model, &elements) { SHARP_ADAPTIVE } else { SHARP };
     Remeshing {
         span: section.span,
         set: model.materials[section.material].name.clone(),
-        elements: sorted_unique(section.elements.iter().copied()),
-        angle: SHARP.to_radians(),
+        elements,
+        angle: angle.to_radians(),
         increment: AutomaticMeshes::COLLAPSED,
         frequency: AutomaticMeshes::INTERVAL,
         thickness: 0.0,
