@@ -99,7 +99,7 @@ impl FreeNodes {
             if nodes.mass[point as usize] <= 0.0 || free_axes(nodes, point as usize).is_none() {
                 continue;
             }
-            let last_elements = deleted[*pass..].iter().filter(|boundary| boundary.iter().any(|n| *n == point));
+            let last_elements = deleted[*pass..].iter().filter(|boundary| boundary.contains(&point));
             for node in last_elements.flat_map(|boundary| boundary.iter().map(|n| *n as usize)) {
                 let is_new = around[node] > 0 && receivers.iter().all(|known| known.node != node);
                 if let (true, Some(free)) = (is_new && nodes.mass[node] > 0.0, free_axes(nodes, node)) {
