@@ -294,6 +294,7 @@ fn element_deletion_resumes() {
         ("rates of a state", bar(4, &(bare(shock) + "*Erosion, increment=6.5e-8\n"), 2e5, 5e-6, "")),
         ("shells", shells()),
         ("a rod through a plate", shot()),
+        ("a rod through a plate, nodes merge", shot().replace("erosion=YES", "erosion=MERGE")),
         ("pressure on newly exposed faces", pressed("P")),
         ("user pressure on newly exposed faces", pressed("PNU")),
         ("resistance of a target on newly exposed faces", pressed("CAVITY").replace("*Dsload", "*Dsload, target=T")),

@@ -33,6 +33,7 @@ mod erosion;
 mod erosion_criteria;
 mod erosion_friction;
 mod erosion_loads;
+mod erosion_merging;
 mod erosion_rod;
 mod failed_material;
 mod failure_energy;

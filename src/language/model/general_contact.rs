@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
-use super::types::{AssignedInteraction, ContactDomain, ContactDomains, GeneralContact, InteractionLaw};
+use super::types::{AssignedInteraction, ContactDomain, ContactDomains, DetachedNodes, GeneralContact, InteractionLaw};
 use super::{clearance, contact, surface_contact};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine, Word};
@@ -28,9 +28,10 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
     let Some(general) = &mut steps.state().general_contact else { return };
     general.all |= card.has("ALL EXTERIOR");
     // NODAL EROSION=NO, the default, keeps the nodes of completely eroded elements in contact as point masses; YES
-    // removes them (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
+    // removes them (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT). MERGE is an extension.
     if card.has("NODAL EROSION") {
-        general.excludes_detached_nodes = card.read("NODAL EROSION");
+        let choices = [DetachedNodes::InContact, DetachedNodes::Excluded, DetachedNodes::Merged];
+        general.detached_nodes = choices[card.read::<usize>("NODAL EROSION")];
     }
     for (at, line) in card.lines.iter().enumerate() {
         let Some(domains) = domains(context, line) else { continue };

@@ -35,6 +35,12 @@ impl EquationConstraint {
         self.hold_velocities(dofs, 0.0, 0.0);
     }
 
+    /// Returns whether a node takes part in an equation or moves with other nodes.
+    pub fn has_node(&self, node: usize) -> bool {
+        let unknowns = self.bonds.systems.iter().flat_map(|system| &system.unknowns);
+        unknowns.into_iter().any(|unknown| unknown.members.contains(&node))
+    }
+
     fn update_masses(&mut self, dofs: &Dofs) {
         if std::mem::take(&mut self.has_new_masses) {
             let mass = &dofs.nodes.mass;

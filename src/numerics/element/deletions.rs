@@ -6,6 +6,7 @@ use super::removed::DeletionRecord;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Persist, StateArchive};
+use crate::state::nodes::Nodes;
 
 /// Elements deleted so far.
 #[derive(Clone, Debug, Default, Persist)]
@@ -57,6 +58,21 @@ impl Deletions {
         if let Some(free) = &mut self.free_nodes {
             free.count(&self.boundaries);
         }
+    }
+
+    /// Merges the mass of nodes that have become free in the last pass with their bodies, as [`FreeNodes::merge`]. Returns the
+    /// loss of kinetic energy; `None` if no mass has changed.
+    pub fn merge_free_nodes(
+        &mut self,
+        nodes: &mut Nodes,
+        free_axes: impl Fn(&Nodes, usize) -> Option<[bool; 2]>,
+    ) -> Option<f64> {
+        self.free_nodes.as_mut()?.merge(&self.boundaries, nodes, free_axes)
+    }
+
+    /// Returns whether nodes have become free in the last pass.
+    pub fn has_fresh_nodes(&self) -> bool {
+        self.free_nodes.as_ref().is_some_and(|free| free.has_fresh())
     }
 
     /// Returns the number of deleted elements.

@@ -15,6 +15,47 @@ pub struct BoundaryFlow {
     pub kinetic: f64,
 }
 
+/// Kind of an impact, by which the energy that contact absorbs is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImpactKind {
+    /// Faces that have been exposed since the start of the analysis.
+    #[default]
+    FirstTouch,
+    /// A face that element deletion has exposed: surfaces meet across the gap of a deleted element.
+    ClosingGap,
+    /// A node whose elements are all deleted.
+    FreePoint,
+}
+
+/// Energy that contact has absorbed normal to the surfaces, by the kind of the impact. Penalty springs do not count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
+pub struct ImpactLosses {
+    /// Loss of faces that have been exposed since the start.
+    pub first_touch: f64,
+    /// Loss of faces that element deletion has exposed.
+    pub closing_gaps: f64,
+    /// Loss of nodes without elements.
+    pub free_points: f64,
+    /// Loss of nodes without elements whose mass has joined their body.
+    pub merged_points: f64,
+}
+
+impl ImpactLosses {
+    /// Adds the loss of an impact.
+    pub fn add(&mut self, kind: ImpactKind, loss: f64) {
+        match kind {
+            ImpactKind::FirstTouch => self.first_touch += loss,
+            ImpactKind::ClosingGap => self.closing_gaps += loss,
+            ImpactKind::FreePoint => self.free_points += loss,
+        }
+    }
+
+    /// Returns the sum of all kinds.
+    pub fn sum(&self) -> f64 {
+        self.first_touch + self.closing_gaps + self.free_points + self.merged_points
+    }
+}
+
 /// Energies since the start of the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct EnergyTotals {
@@ -41,6 +82,8 @@ pub struct EnergyTotals {
     pub external: f64,
     /// Energy lost in contact impulses.
     pub contact: f64,
+    /// Parts of `contact` by the kind of the impact.
+    pub impacts: ImpactLosses,
     /// Energy stored and dissipated by contact penalty springs.
     pub penalty: f64,
     /// Energy of the overlaps with which soft contact began. Contact may release it; it is not part of the sum.

@@ -36,9 +36,9 @@ use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, CompiledModel, Plan, PlannedRange, State};
 use crate::solve::{
-    self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
-    MeshChanges, MeshShape, Outcome, PenetrationSummary, Progress, RangeShare, RunControl, RunPosition, Sink,
-    SinkError, StepSummary, UnfitState,
+    self, BodyExit, BodyRest, CheckpointInterval, ContactLosses, Energy, HaltDetails, HaltReason, Instant, LOST,
+    LimitsOverTime, MeshChanges, MeshShape, Outcome, PenetrationSummary, Progress, RangeShare, RunControl, RunPosition,
+    Sink, SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
@@ -288,6 +288,9 @@ pub struct RunSummary {
     /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_shape: Option<MeshShape>,
+    /// Energy that contact has absorbed, by the kind of the impact, if elements have been deleted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_losses: Option<ContactLosses>,
     /// Ledger of the simulated effects.
     pub ledger: Ledger,
     /// Notes and warnings of the deck.
@@ -870,6 +873,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         ledger.follow(last);
     }
     ledger.set_time_shares(&outcome.effect_seconds, outcome.seconds);
+    if let Some(losses) = &outcome.contact_losses {
+        ledger.add_result(losses.row, &losses.text);
+    }
     for changes in &outcome.mesh_changes {
         ledger.add_result(changes.row, &format!("NADAPT {}", changes.count));
     }
@@ -910,6 +916,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         deleted_elements: outcome.deleted,
         mesh_changes: outcome.mesh_changes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
         mesh_shape: outcome.mesh_shape,
+        contact_losses: outcome.contact_losses,
         new_meshes: outcome.new_meshes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
         new_elements: outcome.new_meshes.iter().map(|changes| changes.new_elements).reduce(|sum, count| sum + count),
         ledger,

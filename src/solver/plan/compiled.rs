@@ -114,6 +114,8 @@ pub struct StepPlan {
     pub scale_factor: f64,
     /// Velocity that is passed to loads.
     pub load_velocity: LoadVelocity,
+    /// Whether the mass of nodes whose elements are all deleted joins their body (`NODAL EROSION=MERGE`).
+    pub merges_detached_nodes: bool,
     /// Changes to the active effects.
     pub changes: StepChanges,
     /// Limits of the energy balance; `None` without `*ENERGY LIMIT`.

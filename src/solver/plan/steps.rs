@@ -9,8 +9,8 @@ use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    self, AnalyticalFront, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model,
-    ScalingSchedule, Step, SurfaceContact,
+    self, AnalyticalFront, BoundaryCondition, DetachedNodes, EnergyLimit, IncrementControl, LoadKind, MassScaling,
+    Model, ScalingSchedule, Step, SurfaceContact,
 };
 use crate::plan::changes::{ListChange, ListEntry};
 use crate::plan::checks::overlaps::overlapping_bodies;
@@ -20,7 +20,7 @@ use crate::plan::contact::contact_constraint;
 use crate::plan::loads::{LoadInput, create_load};
 use crate::plan::meshes::adaptive::adaptive_change;
 use crate::plan::output::{RecordingState, output_schedules};
-use crate::plan::solids::mass_scaling::{check_scalable_step, mass_scaling};
+use crate::plan::solids::mass_scaling::{check_merging_step, check_scalable_step, mass_scaling};
 use crate::plan::{
     GeneralLedgerRows, Links, Pairs, Report, Scene, SolidPlaces, State, StepChanges, StepInput, StepPlan,
 };
@@ -190,6 +190,7 @@ pub fn plan(scene: Scene, links: &Links, pairs: &Pairs, state: RecordingState, r
         if index == 0 {
             state.begin_with(std::mem::take(&mut changes));
         }
+        check_merging_step(scene.model, step, report);
         increment_rows(scene.places, step, &active, report);
         steps.push(StepPlan {
             name: step.name.clone(),
@@ -197,6 +198,7 @@ pub fn plan(scene: Scene, links: &Links, pairs: &Pairs, state: RecordingState, r
             control: step.increment,
             scale_factor: step.scale_factor,
             load_velocity: step.load_velocity,
+            merges_detached_nodes: step.detached_nodes() == DetachedNodes::Merged,
             changes,
             energy_limit: energy_limit(step, report),
             outputs: output_schedules(scene.model, step, report),

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::central_difference::accelerate_nodes;
 use super::guard::not_finite;
 use super::masses::scale_masses;
+use super::merging::merge_free_nodes;
 use super::run::SolverRun;
 use super::run_state::RunState;
 use crate::constraint::contact::ContactConstraint;
@@ -210,8 +211,8 @@ impl SolverRun<'_> {
 
     #[inline(always)]
     pub(super) fn accelerate(&mut self) -> Result<(), HaltReason> {
-        let RunState { state, now, step, plan, body_forces, .. } = &mut self.current;
-        let State { dofs, elements, constraints, user_amplitudes, .. } = state;
+        let RunState { state, step, plan, body_forces, .. } = &mut self.current;
+        let State { dofs, elements, .. } = state;
         let mut start = 0;
         for b in 0..dofs.bodies.len() {
             let body = &mut dofs.bodies[b];
@@ -229,6 +230,11 @@ impl SolverRun<'_> {
             accelerate_nodes(elements, dofs, &mut self.kinetic);
             self.timing.stop(started, row);
         }
+        if step.merges_detached_nodes {
+            merge_free_nodes(&mut self.current);
+        }
+        let RunState { state, now, step, .. } = &mut self.current;
+        let State { dofs, elements, constraints, user_amplitudes, .. } = state;
         for constraint in constraints {
             constraint.accelerations(dofs, &AmplitudeClock { now: *now, user_amplitudes });
         }

@@ -5,6 +5,7 @@ mod body_forces;
 mod body_surfaces;
 mod central_difference;
 mod collapse;
+mod contact_losses;
 mod contact_means;
 mod digest;
 mod energy;
@@ -15,6 +16,7 @@ mod guard;
 mod increment;
 mod limits;
 mod masses;
+mod merging;
 mod mesh_patch;
 mod mesh_quality;
 mod new_mesh_state;
@@ -53,8 +55,8 @@ pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{
-    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshChanges, MeshShape, Outcome, PenetrationSummary, RangeShare,
-    RunEnd, StepSummary,
+    AddedMassPlaces, BodyExit, BodyRest, ContactLosses, ImpactEnd, MeshChanges, MeshShape, Outcome, PenetrationSummary,
+    RangeShare, RunEnd, StepSummary,
 };
 pub use position::RunPosition;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
@@ -256,6 +258,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
         outcome.digest = digest::digest(&current);
     }
     outcome.deleted = current.state.elements.deletions.count();
+    outcome.contact_losses = contact_losses::losses_of(&current);
     outcome.new_meshes = remesh.counts(plan);
     outcome.last_rows = plan.remesh.as_ref().map(|_| plan.ledger.effects.clone());
     outcome.mesh_shape = mesh_quality::shape_of(&current.state);

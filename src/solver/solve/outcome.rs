@@ -14,8 +14,8 @@ use crate::state::halt::HaltReason;
 #[derive(Clone, Debug, Default, Serialize, Persist)]
 // Halts and results at the end do not exist yet; run times belong to this process.
 #[persist(
-    derived: ranges, new_meshes, last_rows, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
-        deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
+    derived: ranges, contact_losses, new_meshes, last_rows, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished,
+        still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
 )]
 pub struct Outcome {
     /// Reason for an early end, if any.
@@ -54,6 +54,8 @@ pub struct Outcome {
     pub mesh_shape: Option<MeshShape>,
     /// Shares of materials beyond the range of their constants.
     pub ranges: Vec<RangeShare>,
+    /// Energy that contact has absorbed, by the kind of the impact; `None` without deleted elements.
+    pub contact_losses: Option<ContactLosses>,
     /// Warnings issued during the run; each begins with its code.
     pub warnings: Vec<String>,
     /// Increments over all steps.
@@ -113,6 +115,25 @@ impl Outcome {
     pub fn total_time(&self) -> f64 {
         self.steps.iter().map(|step| step.time).sum()
     }
+}
+
+/// Energy that contact has absorbed normal to the surfaces, by the kind of the impact; part of `<job>.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactLosses {
+    /// Ledger row of the contact.
+    #[serde(skip)]
+    pub row: EffectId,
+    /// Description in percent of the energy put in.
+    #[serde(skip)]
+    pub text: String,
+    /// Loss of faces that have been exposed since the start.
+    pub first_touch: f64,
+    /// Loss of faces that element deletion has exposed.
+    pub closing_gaps: f64,
+    /// Loss of nodes without elements.
+    pub free_points: f64,
+    /// Loss of nodes without elements whose mass has joined their body.
+    pub merged_points: f64,
 }
 
 /// Share of a material beyond the range of its constants, part of `<job>.json`.

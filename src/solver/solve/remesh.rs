@@ -275,7 +275,9 @@ fn warn_of_first_mesh(
     let cause = match trigger {
         Some(FirstMesh::Sharp(limit)) => {
             let angle = limit.to_degrees();
-            format!("smoothing has not kept the angles of the adaptive mesh of material {material} above {angle:.0} degrees, and")
+            format!(
+                "smoothing has not kept the angles of the adaptive mesh of material {material} above {angle:.0} degrees, and"
+            )
         }
         _ => format!("plastic flow has squashed elements of the body of material {material} until"),
     };

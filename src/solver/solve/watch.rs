@@ -2,6 +2,7 @@
 //! Warnings state when it began, where it is, and a remedy. Checks that halt a run are in `guard.rs`.
 
 use super::collapse::{CollapseMonitor, name_remedies};
+use super::contact_losses::name_absorbed_energy;
 use super::energy::{ADVECTION, ARTIFICIAL, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
 use super::masses::warning_of_added_mass;
 use super::outcome::Outcome;
@@ -528,36 +529,6 @@ pub(super) fn name_created_energy(run: &RunState<'_>) -> String {
 
 fn name_slowest(run: &RunState<'_>, (group, element): (usize, usize)) -> String {
     format!("; it is limited by element {}. {}", run.plan.element_name(group, element), name_remedies(run, group, None))
-}
-
-/// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the energy put in.
-fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
-    let (why, cure) = match run.state.elements.deletions.count() {
-        0 => ("", "smaller elements at the surfaces that hit reduce it in proportion to their size".to_owned()),
-        deleted => (
-            "; newly exposed faces and nodes without elements do so again and again",
-            format!(
-                "smaller elements do not reduce this part of the loss ({deleted} elements were deleted){}{}",
-                if run.plan.excludes_detached_nodes {
-                    ""
-                } else {
-                    "; NODAL EROSION=YES on *CONTACT CONTROLS ASSIGNMENT takes nodes without elements out of contact, and \
-                     reduces it"
-                },
-                if run.plan.remesh.is_some() {
-                    ""
-                } else {
-                    ". Failed material that is kept (*FAILED MATERIAL) in a body with *REMESH has a loss that falls with the \
-                     size of the elements"
-                }
-            ),
-        ),
-    };
-    format!(
-        "contact has absorbed {:.1} % of the energy put in (ALLCW): masses are lumped at nodes, and a node that touches a \
-         surface loses its relative velocity at once{why}. The energy is missing in the bodies: {cure}",
-        100.0 * share
-    )
 }
 
 pub(super) fn name_folded(run: &RunState<'_>) -> String {

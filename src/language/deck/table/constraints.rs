@@ -308,7 +308,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface", "interaction"])]),
     ContactControls::ROW,
     row!("CONTACT CONTROLS ASSIGNMENT", "Controls of general contact; the last one that applies to two surfaces is used", (), {
-        "NODAL EROSION" (YES_NO.or(0.0)) "NO: nodes whose elements are all deleted remain in contact as point masses; YES: they are removed from contact",
+        "NODAL EROSION" (word(&["NO", "YES", "MERGE"]).or(0.0)) "NO: nodes whose elements are all deleted remain in contact as point masses; YES: they are removed from contact; MERGE (extension): their mass joins those nodes of their last elements that still have elements",
         "TYPE" only ["SCALE PENALTY"] "no other controls are needed: every facet is checked in every increment",
         "AUTOMATIC OVERCLOSURE RESOLUTION" refused "initial overlaps are kept: use *CONTACT INITIALIZATION DATA",
         "CONTACT THICKNESS REDUCTION" refused "the contact thickness of shells is not reduced",

@@ -191,8 +191,20 @@ pub struct GeneralContact {
     pub penalties: Vec<(ContactDomains, f64)>,
     /// Pairs with a given secondary surface: whether it is the first one; the last assignment applies.
     pub roles: Vec<(ContactDomains, bool)>,
-    /// Whether nodes whose elements are all deleted leave the contact (`NODAL EROSION=YES`).
-    pub excludes_detached_nodes: bool,
+    /// What happens to nodes whose elements are all deleted (`NODAL EROSION`).
+    pub detached_nodes: DetachedNodes,
+}
+
+/// What happens to nodes whose elements are all deleted (`NODAL EROSION`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DetachedNodes {
+    /// They remain in contact as point masses.
+    #[default]
+    InContact,
+    /// They leave the contact.
+    Excluded,
+    /// Their mass joins the nodes of their last elements that still have elements; the others leave the contact.
+    Merged,
 }
 
 /// An assignment of a surface interaction in general contact.

@@ -1,8 +1,8 @@
 //! Analysis steps: procedure, increment control, and the conditions in force.
 
 use super::{
-    AdaptiveMesh, AdaptiveRegion, BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest,
-    PrescribedField, SurfaceContact,
+    AdaptiveMesh, AdaptiveRegion, BoundaryCondition, DetachedNodes, GeneralContact, Load, OutputInterval,
+    OutputRequest, PrescribedField, SurfaceContact,
 };
 use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
@@ -67,7 +67,12 @@ impl Step {
 
     /// Returns whether nodes without elements are taken out of contact.
     pub fn excludes_detached_nodes(&self) -> bool {
-        self.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes)
+        self.detached_nodes() != DetachedNodes::InContact
+    }
+
+    /// Returns what happens to nodes whose elements are all deleted.
+    pub fn detached_nodes(&self) -> DetachedNodes {
+        self.general_contact.as_ref().map_or(DetachedNodes::InContact, |general| general.detached_nodes)
     }
 
     /// Iterates over the friction laws of all contact definitions.

@@ -10,6 +10,7 @@ use super::sweeps::{ContactRow, ContactRows, ContactStep, NONE};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::profile::ProfileSegment;
+use crate::state::energies::ImpactKind;
 
 /// Smallest squared part of a normal in unconstrained directions. Below it a node would have to be pushed along the
 /// surface, and its row is left out.
@@ -62,6 +63,11 @@ impl MeasuredGaps {
                 continue;
             }
             let (key, index) = (pair.first_key + index, index as usize);
+            let impact = match is_single_point && secondary.loses_elements() {
+                true => ImpactKind::FreePoint,
+                false if surfaces.is_on_new_face(point) => ImpactKind::ClosingGap,
+                false => ImpactKind::FirstTouch,
+            };
             let law = if is_single_point { pair.of_points as u32 } else { pair.law_of(index) };
             let (start, velocity) = (surfaces.places[point as usize], velocity_of(point));
             let end = [0, 1].inline_map(|i| start[i] + dt * velocity[i]);
@@ -103,6 +109,7 @@ impl MeasuredGaps {
                 let mut row = ContactRow::of(key, law);
                 row.closest_point = Some(self.closest.len() as u32);
                 (row.is_single_point, row.area, row.gap) = (is_single_point, area, area * (gap - target - closes));
+                row.impact = impact;
                 let (segment, target) = (segment as u32, zero + target);
                 self.closest.push(ClosestPoint { analytical: which, segment, point, target });
                 self.rows.open();

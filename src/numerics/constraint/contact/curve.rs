@@ -26,6 +26,17 @@ pub struct SurfacePoint {
     pub free: [bool; 2],
 }
 
+/// Reason why a point is in contact by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointKind {
+    /// It has no elements, or no elements any more.
+    Free,
+    /// It is on the axis, at the sharp end of the curve.
+    Tip,
+    /// It is a convex corner of the outline.
+    Corner,
+}
+
 /// Neighbour of a facet at one of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FacetNeighbor {
@@ -41,7 +52,7 @@ pub enum FacetNeighbor {
 #[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(
     fixed: is_exposed, has_element, neighbors, depth;
-    derived: facets, lift, is_side_of_line, points, around, exposed, exposed_points, orphans, drops_orphans, tips,
+    derived: facets, lift, exposed_at_start, is_side_of_line, points, around, exposed, exposed_points, orphans, drops_orphans, tips,
         corners, kinks, shapes, ordered;
     then: FacetCurve::list_again
 )]
@@ -60,6 +71,8 @@ pub struct FacetCurve {
     /// Whether each facet is exposed. If elements can be deleted, faces between two elements are facets from the start,
     /// one for each side. They become exposed when the element in front of them is deleted.
     pub is_exposed: Vec<bool>,
+    /// Number of facets that are exposed at the start; the following ones are between two elements.
+    exposed_at_start: usize,
     /// Whether the element of each facet exists.
     has_element: Vec<bool>,
     /// Points of the facets, each once.
@@ -187,6 +200,7 @@ impl FacetCurve {
             depth,
             is_side_of_line: false,
             is_exposed: (0..count).map(|k| k < bare).collect(),
+            exposed_at_start: bare,
             has_element: vec![true; count],
             exposed: Vec::with_capacity(count),
             exposed_points: Vec::with_capacity(points.len()),
@@ -288,13 +302,13 @@ impl FacetCurve {
         self.exposed.len() < self.facets.len() || !self.tips.is_empty() || !self.corners.is_empty()
     }
 
-    /// Returns the points that are in contact by themselves, as indices in `points`, and whether each is a corner: points
-    /// without elements, then tips and corners with an exposed facet.
-    pub fn single_points(&self) -> impl Iterator<Item = (u32, bool)> + '_ {
+    /// Returns the points that are in contact by themselves, as indices in `points`: points without elements, then tips and
+    /// corners with an exposed facet.
+    pub fn single_points(&self) -> impl Iterator<Item = (u32, PointKind)> + '_ {
         let is_exposed = |i: &u32| self.around[*i as usize].iter().any(|f| self.is_exposed[f.0 as usize]);
-        let tips = self.tips.iter().copied().filter(is_exposed).map(|i| (i, false));
-        let corners = self.corners.iter().copied().filter(is_exposed).map(|i| (i, true));
-        self.orphans.iter().map(|&i| (i, false)).chain(tips).chain(corners)
+        let tips = self.tips.iter().copied().filter(is_exposed).map(|i| (i, PointKind::Tip));
+        let corners = self.corners.iter().copied().filter(is_exposed).map(|i| (i, PointKind::Corner));
+        self.orphans.iter().map(|&i| (i, PointKind::Free)).chain(tips).chain(corners)
     }
 
     /// Returns half the thickness of the body at a facet.
@@ -339,6 +353,17 @@ impl FacetCurve {
         if !*drops_orphans && (has_element.is_empty() || has_element.contains(&false)) {
             orphans.extend((0..points.len() as u32).filter(is_orphan));
         }
+    }
+
+    /// Returns the facets that element deletion has exposed.
+    pub fn newly_exposed(&self) -> impl Iterator<Item = &[u32; 2]> {
+        let new = self.exposed.iter().filter(|k| **k as usize >= self.exposed_at_start);
+        new.map(|k| &self.facets[*k as usize])
+    }
+
+    /// Returns whether a point without elements has lost them; the points of node-based surfaces never have any.
+    pub fn loses_elements(&self) -> bool {
+        !self.facets.is_empty()
     }
 
     fn facet(&self, from: u32, to: u32) -> Option<usize> {

@@ -2,7 +2,7 @@
 //! contact rows that they make.
 
 use super::analytical::ClosestPoint;
-use super::curve::FacetCurve;
+use super::curve::{FacetCurve, PointKind};
 use super::gaps::{GapIntegrator, SinglePoint};
 use super::keys::KeyValues;
 use super::pairs::ContactPair;
@@ -11,6 +11,7 @@ use super::sweeps::{ContactRow, ContactRows};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
+use crate::state::energies::ImpactKind;
 
 /// Part of the area of a hat function that the other surface must cover in hard contact. A smaller part does not
 /// determine the pressure: a sliver of a hundredth of a facet moves with the rest of the facet. Pressures of soft contact
@@ -46,9 +47,7 @@ struct SinglePointContact<'a> {
     /// Index of the point in `curve`.
     index: u32,
     key: u32,
-    /// A corner is in contact if it pressed in the previous increment, or if its overlap is larger than
-    /// [`CORNER_OVERLAP`].
-    is_corner: bool,
+    kind: PointKind,
     opposite: &'a FacetCurve,
     candidates: &'a [u32],
 }
@@ -91,18 +90,18 @@ impl MeasuredGaps {
         for (at, &index) in secondary.orphans.iter().enumerate() {
             let (key, candidates) = (pair.first_key + index, pair.search.orphans.of(at));
             let point =
-                SinglePointContact { curve: secondary, index, key, is_corner: false, opposite: other, candidates };
+                SinglePointContact { curve: secondary, index, key, kind: PointKind::Free, opposite: other, candidates };
             self.add_point_row(pair, point, sources);
         }
         // In self-contact the single points have been added above.
         let others = pair.other.is_some().then_some(other);
-        for (at, (index, is_corner)) in others.into_iter().flat_map(FacetCurve::single_points).enumerate() {
+        for (at, (index, kind)) in others.into_iter().flat_map(FacetCurve::single_points).enumerate() {
             let (key, candidates) = (pair.first_key + secondary.points.len() as u32 + index, pair.search.others.of(at));
             // The area that a corner covers is part of the energy of soft contact.
-            if is_corner && is_soft {
+            if kind == PointKind::Corner && is_soft {
                 continue;
             }
-            let point = SinglePointContact { curve: other, index, key, is_corner, opposite: secondary, candidates };
+            let point = SinglePointContact { curve: other, index, key, kind, opposite: secondary, candidates };
             self.add_point_row(pair, point, sources);
         }
     }
@@ -128,6 +127,9 @@ impl MeasuredGaps {
         rows.open();
         for &(facet, end) in facets() {
             let shares = integrator.shares_of(&pair.facet_gaps[facet as usize]);
+            if shares.iter().any(|share| sources.surfaces.is_on_new_face(share.point)) {
+                row.impact = ImpactKind::ClosingGap;
+            }
             rows.add_shares(shares.iter().map(|share| (share.point, share.of[end as usize])), dofs_of);
             for share in integrator.edges_of(&pair.facet_gaps[facet as usize]) {
                 let factor = law.overclosure.change_by_cover(-row.gap / row.area, share.overlap);
@@ -175,9 +177,11 @@ impl MeasuredGaps {
         }
     }
 
-    /// Adds the row of a single point: its area is one, its multiplier an impulse. Equation (10.10).
+    /// Adds the row of a single point: its area is one, its multiplier an impulse. A corner is in contact if it pressed in
+    /// the previous increment, or if its overlap is larger than [`CORNER_OVERLAP`]. Equation (10.10).
     fn add_point_row(&mut self, pair: &ContactPair, contact: SinglePointContact<'_>, sources: GapSources<'_>) {
-        let SinglePointContact { curve, index, key, is_corner, opposite, candidates } = contact;
+        let SinglePointContact { curve, index, key, kind, opposite, candidates } = contact;
+        let is_corner = kind == PointKind::Corner;
         if candidates.is_empty() {
             return;
         }
@@ -205,6 +209,12 @@ impl MeasuredGaps {
         self.rows.add_shares(shares, dofs_of);
         let mut row = ContactRow::of(key, pair.of_points as u32);
         (row.is_single_point, row.area, row.gap) = (true, gaps.area[0], gaps.gap[0]);
+        let meets_new_face = || self.facets.shares_of(&gaps).iter().any(|share| surfaces.is_on_new_face(share.point));
+        row.impact = match kind {
+            PointKind::Free => ImpactKind::FreePoint,
+            _ if meets_new_face() => ImpactKind::ClosingGap,
+            _ => ImpactKind::FirstTouch,
+        };
         if is_corner {
             let neighbours = opposite.facets[facet as usize].inline_map(|point| pair.key_of(opposite, point));
             self.rows.close_after(row, neighbours);

@@ -3,7 +3,7 @@
 use crate::kernel::lists::Memory;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, are_apart};
 
-use super::curve::FacetCurve;
+use super::curve::{FacetCurve, PointKind};
 use super::sweeps::reserve_total;
 
 /// Reach of contact as a fraction of the facet length of a pair; points at a larger distance are not in contact.
@@ -231,11 +231,11 @@ impl ContactSearch {
     /// of a facet without being in contact with it.
     fn points_are_out_of_reach(&self, own: &FacetCurve, other: &FacetCurve, places: &[[f64; 2]], motion: f64) -> bool {
         let limit = self.reach() + self.lift + 2.0 * motion * ROUNDING;
-        other.single_points().enumerate().all(|(at, (index, is_corner))| {
+        other.single_points().enumerate().all(|(at, (index, kind))| {
             let position = places[other.points[index as usize] as usize];
             self.others.of(at).iter().all(|&j| {
                 let shape = &own.shapes[j as usize];
-                is_corner
+                kind == PointKind::Corner
                     && are_apart([position; 2], shape.bounds(), limit)
                     && shape.stays_in_front_or_beside(position, self.reach(), 2.0 * motion * ROUNDING)
             })

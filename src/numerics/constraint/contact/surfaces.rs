@@ -15,7 +15,7 @@ use crate::state::dofs::Dofs;
 
 /// Surfaces in contact and their current places.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed, selected, close_slack)]
+#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed, selected, close_slack, on_new_faces)]
 #[memory(flat: analyticals)]
 pub(super) struct ContactSurfaces {
     pub(super) points: Vec<SurfacePoint>,
@@ -44,6 +44,8 @@ pub(super) struct ContactSurfaces {
     selected: Vec<[f64; 2]>,
     /// Displacement of a point after which close candidates are selected again.
     close_slack: f64,
+    /// Whether each point belongs to a facet that element deletion has exposed; empty if there are none.
+    on_new_faces: Vec<bool>,
     /// Whether elements have been deleted since the previous increment.
     pub(super) uncovered: bool,
 }
@@ -62,6 +64,7 @@ impl ContactSurfaces {
             listed: Vec::with_capacity(points.len()),
             selected: Vec::with_capacity(points.len()),
             active_points: Vec::with_capacity(2 * points.len() + analyticals.len()),
+            on_new_faces: Vec::with_capacity(points.len()),
             points,
             curves,
             analyticals,
@@ -238,6 +241,24 @@ impl ContactSurfaces {
         self.active_points.sort_unstable();
         self.active_points.dedup();
         self.listed.clear();
+        self.mark_new_faces();
+    }
+
+    /// Marks the points of facets that element deletion has exposed.
+    fn mark_new_faces(&mut self) {
+        self.on_new_faces.clear();
+        for point in self.curves.iter().flat_map(|curve| curve.newly_exposed().flatten()) {
+            if self.on_new_faces.is_empty() {
+                self.on_new_faces.resize(self.points.len(), false);
+            }
+            self.on_new_faces[*point as usize] = true;
+        }
+    }
+
+    /// Returns whether a point belongs to a facet that element deletion has exposed.
+    #[inline]
+    pub(super) fn is_on_new_face(&self, point: u32) -> bool {
+        self.on_new_faces.get(point as usize).copied().unwrap_or(false)
     }
 
     /// Finds the neighbours of exposed facets at the current places.

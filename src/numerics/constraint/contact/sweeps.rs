@@ -8,6 +8,7 @@ use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::platform::PortableMath as _;
+use crate::state::energies::ImpactKind;
 
 /// Coefficients of one degree of freedom in a row, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +32,8 @@ pub struct ContactRow {
     pub law: u32,
     /// Whether the row belongs to a single point: its area is then 1 and its multiplier an impulse.
     pub is_single_point: bool,
+    /// Kind of the impact, if the surfaces meet.
+    pub(super) impact: ImpactKind,
     /// Index of the row's point on an analytical surface, if it has one. The gap is then that at the end of an
     /// increment without contact minus its change, and may be negative.
     pub closest_point: Option<u32>,

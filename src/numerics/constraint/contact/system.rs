@@ -16,7 +16,7 @@ use crate::kernel::lists::Memory;
 use crate::routines::FrictionInput;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
-use crate::state::energies::EnergyTotals;
+use crate::state::energies::{EnergyTotals, ImpactLosses};
 use crate::state::halt::HaltReason;
 
 /// Surfaces in contact, and what their impulses are solved from.
@@ -124,7 +124,7 @@ impl ContactSystem {
     /// Applies the impulses to velocities and positions, and adds their work. Equations (10.2), (10.6).
     pub(super) fn apply_impulses(&mut self, dofs: &mut Dofs, dt: f64) {
         let work = self.dofs.apply_impulses(&self.surfaces.near.dofs, dofs, dt);
-        let of_springs = self.add_row_work(1.0);
+        let of_springs = self.add_row_work(1.0, &mut dofs.energies.impacts);
         add_energies(&mut dofs.energies, work.of_impulses, of_springs);
     }
 
@@ -138,7 +138,7 @@ impl ContactSystem {
         }
         let part = 0.5 * previous_dt / self.dofs.half;
         let work = self.dofs.complete_velocities(&self.surfaces.near.dofs, part, dofs);
-        let of_springs = self.add_row_work(part);
+        let of_springs = self.add_row_work(part, &mut dofs.energies.impacts);
         add_energies(&mut dofs.energies, work.of_impulses, of_springs);
         work.on_free_dofs
     }
@@ -225,8 +225,9 @@ impl ContactSystem {
         searches
     }
 
-    /// Adds the work of a part of the impulse of each row to the energy of its pair. Returns the work of penalty springs.
-    fn add_row_work(&mut self, part: f64) -> f64 {
+    /// Adds the work of a part of the impulse of each row to the energy of its pair and to the losses. Returns the work of
+    /// penalty springs.
+    fn add_row_work(&mut self, part: f64, losses: &mut ImpactLosses) -> f64 {
         let ContactSystem { surfaces, pairs, dofs, measured, .. } = self;
         let mut of_springs = 0.0;
         for row in measured.rows.rows.iter().filter(|row| row.normal_impulse > 0.0) {
@@ -237,6 +238,8 @@ impl ContactSystem {
             pair.absorbed -= work;
             if pair.springs && !row.is_single_point {
                 of_springs += work;
+            } else {
+                losses.add(row.impact, -work);
             }
             if work > pair.largest_release.0 {
                 let points = &surfaces.curves[pair.secondary].points;

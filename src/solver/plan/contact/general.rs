@@ -9,8 +9,8 @@ use indexmap::IndexSet;
 use crate::deck::Span;
 use crate::kernel::lists::sorted_unique;
 use crate::model::{
-    AnalyticalSide, ContactDomain, ContactDomains, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection,
-    Step, SurfaceContact,
+    AnalyticalSide, ContactDomain, ContactDomains, DetachedNodes, ElementSide, GeneralContact, Model, RigidSurfaceId,
+    SideSelection, Step, SurfaceContact,
 };
 use crate::plan::contact::curves::CurveContext;
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, parts_in_contact};
@@ -413,8 +413,10 @@ fn add_general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &
     }
     let names: Vec<String> = surfaces.into_iter().map(|(name, kind)| format!("{name}{kind}")).collect();
     let mut detail = format!("surfaces {}", names.join(", "));
-    if general.excludes_detached_nodes {
-        detail += "; without nodes of deleted elements";
-    }
+    detail += match general.detached_nodes {
+        DetachedNodes::InContact => "",
+        DetachedNodes::Excluded => "; without nodes of deleted elements",
+        DetachedNodes::Merged => "; the mass of nodes of deleted elements joins their body",
+    };
     report.ledger_row(general.span, "general contact", general_pairs().count(), "pairs", detail)
 }

@@ -6,7 +6,9 @@ use crate::deck::{Diagnostic, Diagnostics};
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, linked_nodes, single_nodes};
-use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
+use crate::model::{
+    AnalyticalFront, DetachedNodes, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
+};
 use crate::plan::constraints::surface_ties::find_attached_nodes;
 use crate::plan::contact::cohesion::cohesive_behaviors;
 use crate::plan::heat::fields::has_uniform_fields;
@@ -134,6 +136,11 @@ pub(super) fn remeshed_body(places: &SolidPlaces, card: &Remeshing, body: &Model
     }
 }
 
+/// Returns whether the mass of nodes without elements joins their bodies in a step.
+fn merges_detached_nodes(model: &Model) -> bool {
+    model.steps.iter().any(|step| step.detached_nodes() == DetachedNodes::Merged)
+}
+
 /// Returns why a body cannot be remeshed, and what could be.
 pub(super) fn unsupported_remeshing(
     scene: Scene,
@@ -157,6 +164,11 @@ pub(super) fn unsupported_remeshing(
     if group.topology() != ElementTopology::Quadrilateral {
         let message = format!("`{name}` contains elements other than CAX4R and CAX3");
         return Some((message, "give a set of CAX4R or CAX3 elements"));
+    }
+    if group.properties().deletable && merges_detached_nodes(scene.model) {
+        let message =
+            format!("NODAL EROSION=MERGE adds mass to nodes of `{name}`, which new elements would not contain");
+        return Some((message, "use NODAL EROSION=YES, or keep failed material instead of deleting it"));
     }
     if card.limits.strain_change.is_some() && group.value(0, Variable::PlasticStrain.into()).is_none() {
         let message = format!("the material of `{name}` has no equivalent plastic strain (PEEQ)");

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::kernel::topology::ElementTopology;
-use crate::model::{LoadKind, MassScaling, Model, ScalingSchedule, ScalingType, SolidSection, Step};
+use crate::model::{DetachedNodes, LoadKind, MassScaling, Model, ScalingSchedule, ScalingType, SolidSection, Step};
 use crate::plan::{Links, Report, StepInput};
 
 /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
@@ -113,6 +113,26 @@ pub fn check_scalable_step(step: &Step, report: &mut Report) {
         if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
             let help = "leave the element set of GRAV empty, so that it acts on all masses";
             let message = "gravity on an element set is not supported with mass scaling".into();
+            refuse_scaling(load.span, message, help, report);
+        }
+    }
+}
+
+/// Reports mass scaling and loads of a step that do not follow the mass that nodes of deleted elements pass on
+/// (`NODAL EROSION=MERGE`).
+pub fn check_merging_step(model: &Model, step: &Step, report: &mut Report) {
+    if step.detached_nodes() != DetachedNodes::Merged {
+        return;
+    }
+    let help = "use NODAL EROSION=YES";
+    if let Some(scaling) = model.steps.iter().flat_map(|step| &step.mass_scalings).next() {
+        let message =
+            "mass scaling is not supported with NODAL EROSION=MERGE, which changes the masses of nodes".into();
+        refuse_scaling(scaling.span, message, help, report);
+    }
+    for load in &step.loads {
+        if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
+            let message = "gravity on an element set is not supported with NODAL EROSION=MERGE".into();
             refuse_scaling(load.span, message, help, report);
         }
     }
