@@ -63,6 +63,7 @@ impl HardeningLaw for KinematicHardening {
         relative: &[Lanes; 4],
         trial: &Lanes,
         flow: &Lanes,
+        _remaining: Option<&Lanes>,
     ) {
         for l in 0..LANES {
             let part = if flow[l] > 0.0 { self.slope * flow[l] / trial[l] } else { 0.0 };

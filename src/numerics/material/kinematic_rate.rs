@@ -33,6 +33,11 @@ pub struct RateBackStress {
     back: [Lanes; 4],
 }
 
+/// Returns the factor on the stress of a lane; 1 for a material that cannot be damaged.
+fn share_of(remaining: Option<&Lanes>, lane: usize) -> f64 {
+    remaining.map_or(1.0, |remaining| remaining[lane])
+}
+
 impl HardeningLaw for RateKinematicHardening {
     type State = RateBackStress;
     const PLASTIC: bool = true;
@@ -57,7 +62,7 @@ impl HardeningLaw for RateKinematicHardening {
             state.strain[l] += dp;
             state.slope[l] = slope;
             if dp > 0.0 {
-                let mean = 0.5 * (flow.previous[l] + (trial - flow.shear3 * dp));
+                let mean = share_of(flow.remaining, l) * (0.5 * (flow.previous[l] + (trial - flow.shear3 * dp)));
                 state.temperature[l] += self.heating.rise(temperature, [mean, dp]);
             }
         }
@@ -77,12 +82,14 @@ impl HardeningLaw for RateKinematicHardening {
         relative: &[Lanes; 4],
         trial: &Lanes,
         flow: &Lanes,
+        remaining: Option<&Lanes>,
     ) {
         for l in 0..LANES {
             let per = if flow[l] > 0.0 { flow[l] / trial[l] } else { 0.0 };
             let part = |i: usize| carried[i][l] * relative[i][l];
             let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
-            state.temperature[l] += self.heating.rise(state.temperature[l], [0.75, per, along]);
+            state.temperature[l] +=
+                self.heating.rise(state.temperature[l], [0.75 * share_of(remaining, l), per, along]);
             let previous_slope = state.slope[l];
             let now = if !self.heating.is_none() { self.slope.value(state.temperature[l]) } else { previous_slope };
             let ratio = if previous_slope > 0.0 { now / previous_slope } else { 1.0 };

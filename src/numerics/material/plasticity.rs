@@ -35,7 +35,8 @@ pub trait HardeningLaw: Send + Sync + 'static {
     }
 
     /// Updates the back stress with the plastic strain, from the rotated previous back stress, the trial stress
-    /// relative to it, its von Mises stress, and the plastic strain increments.
+    /// relative to it, its von Mises stress, the plastic strain increments, and the factors on the stress of a damaged
+    /// material, if it can be damaged.
     fn update_back_stress(
         &self,
         _state: &mut Self::State,
@@ -43,6 +44,7 @@ pub trait HardeningLaw: Send + Sync + 'static {
         _relative: &[Lanes; 4],
         _trial: &Lanes,
         _flow: &Lanes,
+        _remaining: Option<&Lanes>,
     ) {
     }
 
@@ -73,6 +75,9 @@ pub struct FlowUpdate<'a> {
     pub dt: f64,
     /// Lanes that hold elements.
     pub count: usize,
+    /// Factors on the stress of a damaged material before the increment: the plastic work that heats is that of the
+    /// remaining stress. `None` if the material cannot be damaged.
+    pub remaining: Option<&'a Lanes>,
     /// Result: equivalent plastic strain increments, zero in lanes that hold no element. It contains numbers of another
     /// block on entry.
     pub increment: &'a mut Lanes,
@@ -206,7 +211,8 @@ impl HardeningLaw for RateDependentHardening {
             for l in 0..flow.count {
                 if increment[l] > 0.0 {
                     let returned = flow.trial[l] - flow.shear3 * increment[l];
-                    let mean = 0.5 * (flow.previous[l] + returned);
+                    let undamaged = 0.5 * (flow.previous[l] + returned);
+                    let mean = flow.remaining.map_or(undamaged, |remaining| remaining[l] * undamaged);
                     temperature[l] += self.heating.rise(temperature[l], [mean, increment[l]]);
                 }
             }
@@ -254,6 +260,7 @@ mod tests {
                 shear3: 3.0 * shear,
                 dt: 1.0,
                 count: LANES,
+                remaining: None,
                 increment: &mut increment,
             };
             lines.flow(&mut state, flow);

@@ -82,8 +82,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         }
         if H::PLASTIC {
             let previous = &if H::HEATS { update.previous_along_flow(strain) } else { [0.0; LANES] };
+            let shares = (F::FAILS && H::HEATS).then(|| inline_from_fn(|l| self.failure.share(&state.failure, l)));
+            let remaining = shares.as_ref();
             let StressUpdate { trial, flow: increment, .. } = &mut *update;
-            let flow = &mut FlowUpdate { trial, previous, shear3, dt: strain.dt, count: strain.count, increment };
+            let count = strain.count;
+            let flow = &mut FlowUpdate { trial, previous, shear3, dt: strain.dt, count, remaining, increment };
             self.hardening.flow(&mut state.hardening, flow);
             if H::BACKSTRESS {
                 self.hardening.update_back_stress(
@@ -92,6 +95,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
                     &update.deviator,
                     &update.trial,
                     &update.flow,
+                    remaining,
                 );
             }
         }
@@ -438,7 +442,8 @@ fn yield_stress<H: HardeningLaw>(hardening: &H, state: &H::State, shear: f64, co
     let flows = |trial: &Lanes| {
         let (mut state, mut increment) = (state.clone(), [0.0; LANES]);
         let previous = &[0.0; LANES];
-        let flow = &mut FlowUpdate { trial, previous, shear3, dt: f64::MAX, count, increment: &mut increment };
+        let (dt, increment) = (f64::MAX, &mut increment);
+        let flow = &mut FlowUpdate { trial, previous, shear3, dt, count, remaining: None, increment };
         hardening.flow(&mut state, flow);
         increment.inline_map(|dp| dp > 0.0)
     };
