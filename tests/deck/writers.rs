@@ -73,7 +73,13 @@ const WITHOUT_BODY: &[&str] = &[
     "netgen_abaqus.inp",
 ];
 /// Files with coordinates of single precision.
-const SINGLE_PRECISION: &[&str] = &["freecad.vtu", "freecad_coarse.vtk", "kratos_binary_coarse.vtk", "meshio_vtk42_float_coarse.vtk"];
+const SINGLE_PRECISION: &[&str] = &[
+    "freecad.vtu",
+    "freecad_coarse.vtk",
+    "kratos_ascii_coarse.vtk",
+    "kratos_binary_coarse.vtk",
+    "meshio_vtk42_float_coarse.vtk",
+];
 
 /// Volumes of the rod and of the plate.
 const VOLUMES: [f64; 2] = [PI * 25e-6 * 0.03, PI * 2.5e-3 * 0.006];
