@@ -18,6 +18,8 @@ if "${REVOLVE_TYPOS:-typos}" --version >/dev/null 2>&1; then
 else
     spelling="left out: spelling, typos is not installed"
 fi
+# The programs of tests are compiled without optimization, the libraries that they call with it.
+export RUSTC_WRAPPER="${RUSTC_WRAPPER:-$PWD/tests/rustc.sh}"
 # With the features of the Python package, whose wheel is built from the same library.
 tests=(cargo test --release --workspace --exclude revolve-python --features parquet --locked)
 "${tests[@]}" --no-run

@@ -12,6 +12,7 @@ cargo mutants --version 2>/dev/null | grep -q " $version$" ||
 # Quick builds with the same results.
 export CARGO_PROFILE_RELEASE_INCREMENTAL=true CARGO_PROFILE_RELEASE_CODEGEN_UNITS=64 CARGO_PROFILE_RELEASE_OPT_LEVEL=1
 export CARGO_PROFILE_RELEASE_PACKAGE_REVOLVE_ANALYSIS_CODEGEN_UNITS=64 CARGO_PROFILE_RELEASE_DEBUG=0 REVOLVE_INSTALL=no
+export RUSTC_WRAPPER="$PWD/tests/rustc.sh"
 places=(--package revolve-numerics --package revolve-solver)
 total=$(cargo mutants --list "${places[@]}" 2>/dev/null | wc -l)
 shards=$((total / count))

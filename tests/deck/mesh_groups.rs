@@ -145,6 +145,31 @@ fn cards_of_the_deck_replace_sets_and_surfaces_of_groups() {
 }
 
 /// Lines that are no edge of a face are rigid elements; the others are not.
+/// Programs that write discontinuous fields give each cell points of its own.
+#[test]
+fn faces_without_common_points_are_refused() {
+    let file = |step: usize| {
+        let (mut points, mut cells) = (String::new(), String::new());
+        for cell in 0..4 {
+            let z = cell * step;
+            points += &format!("0 {z} 0 1 {z} 0 1 {} 0 0 {} 0\n", z + 1, z + 1);
+            cells += &format!("4 {} {} {} {}\n", 4 * cell, 4 * cell + 1, 4 * cell + 2, 4 * cell + 3);
+        }
+        format!(
+            "# vtk DataFile Version 3.0\nmesh\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 16 double\n{points}CELLS 4 20\n{cells}\
+             CELL_TYPES 4\n9\n9\n9\n9\n"
+        )
+    };
+    let (_, messages) = read("apart.vtk", &file(1), "");
+    for words in ["error[M150]", "its 4 faces have no common points, but 12 of their 16 points", "PrintVTK", ".clean()"]
+    {
+        assert!(messages.contains(words), "{messages}");
+    }
+    // Bodies of one element with gaps between them.
+    let (model, _) = built("gaps.vtk", &file(2), "");
+    assert_eq!(model.mesh.elements.len(), 4);
+}
+
 #[test]
 fn lines_apart_from_faces_are_rigid_elements() {
     let wall = words("T3D2", "CPS4", "CPS3")

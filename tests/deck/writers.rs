@@ -30,6 +30,10 @@ const NOT_READ: &[(&str, &str)] = &[
     ("gmsh_msh41_binary_coarse.msh", "Mesh.Binary = 0"),
     ("meshio_msh22_binary_coarse.msh", "Mesh.Binary = 0"),
     ("medcoupling_binary.vtu", "WriteVTK(name, False)"),
+    ("mfem_apart_coarse.vtu", "have no common points"),
+    ("mfem_high_order_coarse.vtu", "has the VTK type 70"),
+    ("ngsolve_apart_coarse.vtk", "have no common points"),
+    ("ngsolve_apart_coarse.vtu", "have no common points"),
     ("vtk_lzma_coarse.vtu", "`vtkLZMADataCompressor` is not supported"),
 ];
 
@@ -42,17 +46,22 @@ const WITHOUT_GROUPS: &[&str] = &[
     "freecad_fem_coarse.inp",
     "gmsh_ascii.vtk",
     "gmsh_binary_coarse.vtk",
+    "kratos_ascii_coarse.vtk",
+    "kratos_binary_coarse.vtk",
     "meshio_cell_sets.vtu",
     "meshio_cell_sets_vtk51_coarse.vtk",
     "meshio_edges_cell_sets_coarse.vtu",
     "meshio_from_gmsh.vtu",
     "meshio_from_gmsh_coarse.inp",
     "meshio_msh41_coarse.msh",
+    "mfem_coarse.vtk",
     "netgen_gmsh2.msh",
+    "netgen_quads_gmsh2.msh",
+    "netgen_second_order_gmsh2.msh",
     "pygmsh_meshio_coarse.inp",
 ];
 /// Files with ROD and PLATE only, and files without BODY.
-const WITHOUT_BOUNDARIES: &[&str] = &["cgx_bodies_coarse.inp", "freecad_highest.inp"];
+const WITHOUT_BOUNDARIES: &[&str] = &["cgx_bodies_coarse.inp", "freecad_highest.inp", "meshpy_second_order.vtk"];
 const WITHOUT_BODY: &[&str] = &[
     "cgx_bodies_coarse.inp",
     "gmsh_clockwise_coarse.inp",
@@ -64,7 +73,13 @@ const WITHOUT_BODY: &[&str] = &[
     "netgen_abaqus.inp",
 ];
 /// Files with coordinates of single precision.
-const SINGLE_PRECISION: &[&str] = &["freecad.vtu", "freecad_coarse.vtk", "meshio_vtk42_float_coarse.vtk"];
+const SINGLE_PRECISION: &[&str] = &[
+    "freecad.vtu",
+    "freecad_coarse.vtk",
+    "kratos_ascii_coarse.vtk",
+    "kratos_binary_coarse.vtk",
+    "meshio_vtk42_float_coarse.vtk",
+];
 
 /// Volumes of the rod and of the plate.
 const VOLUMES: [f64; 2] = [PI * 25e-6 * 0.03, PI * 2.5e-3 * 0.006];

@@ -154,7 +154,8 @@ fn run_loses_nothing_under_any_limit_of_memory() {
     // Below the first limit the loader of the system ends the program, with 127 or by a signal; below the second one the stacks
     // of the threads do not fit; above the last one the run ends.
     let starts = smallest_limit(4_000, 1_000_000, |limit| {
-        !matches!(run(limit).status.code(), Some(127)) && run(limit).status.signal() != Some(SEGMENTATION_FAULT)
+        let status = run(limit).status;
+        status.code() != Some(127) && status.signal() != Some(SEGMENTATION_FAULT)
     });
     let has_threads = |output: &Output| !String::from_utf8_lossy(&output.stderr).contains("cannot start 1 threads");
     let runs = smallest_limit(starts, 1_000_000, |limit| has_threads(&run(limit)));

@@ -2,9 +2,14 @@
 //! so a change of the run time of an effect is found by a test.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use revolve::job;
+use revolve::output::JobFiles;
+use revolve::user::Routines;
 
 use crate::common;
 
@@ -97,7 +102,7 @@ fn count(folder: &Path, deck: &str) -> (f64, f64) {
 ///
 /// # Panics
 /// If the program fails.
-pub fn instructions(folder: &Path, arguments: &[&str]) -> (f64, Vec<u8>) {
+fn instructions(folder: &Path, arguments: &[&str]) -> (f64, Vec<u8>) {
     let counts = folder.join("counts");
     let output = Command::new("valgrind")
         .args(["--tool=cachegrind", "--cache-sim=no", &format!("--cachegrind-out-file={}", counts.display())])
@@ -109,6 +114,71 @@ pub fn instructions(folder: &Path, arguments: &[&str]) -> (f64, Vec<u8>) {
     let text = std::fs::read_to_string(counts).expect("counts");
     let total = text.lines().find_map(|line| line.strip_prefix("summary: ")).expect("a sum");
     (total.trim().parse().expect("a number"), output.stdout)
+}
+
+/// A deck that is checked or run in a process whose instructions are counted.
+pub struct CountedJob {
+    pub deck: PathBuf,
+    /// Whether the deck is run into files; otherwise it is checked without a trial run, whose length depends on the clock if the
+    /// machine is slow.
+    pub is_run: bool,
+}
+
+/// Names the file with the jobs of [`counted_jobs`].
+const JOBS: &str = "REVOLVE_COUNTED_JOBS";
+
+/// Returns the instructions of each job. All jobs are done in one process: valgrind translates the program once, which takes
+/// longer than a small job.
+pub fn instructions_of_each(folder: &Path, jobs: &[CountedJob]) -> Vec<f64> {
+    let (list, counts) = (folder.join("jobs.txt"), folder.join("job_counts"));
+    let word = |job: &CountedJob| if job.is_run { "run" } else { "check" };
+    let lines = jobs.iter().map(|job| format!("{} {}\n", word(job), job.deck.display()));
+    std::fs::write(&list, lines.collect::<String>()).expect("the list is written");
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--dump-line=no", "--dump-after=*end_of_counted_job*"])
+        .arg(format!("--callgrind-out-file={}", counts.display()))
+        .arg(std::env::current_exe().expect("the program of the tests"))
+        .args(["instruction_counts::counted_jobs", "--exact", "--ignored", "--test-threads=1"])
+        .env(JOBS, &list)
+        .env("RAYON_NUM_THREADS", "1")
+        .output()
+        .expect("valgrind runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    let count = |number: usize| {
+        let text = std::fs::read_to_string(format!("{}.{number}", counts.display())).expect("counts of a job");
+        let total = text.lines().find_map(|line| line.strip_prefix("summary: ")).expect("a sum");
+        total.trim().parse().expect("a number")
+    };
+    // The first interval ends where the first job begins.
+    (2..jobs.len() + 2).map(count).collect()
+}
+
+/// Ends an interval of the counts.
+#[inline(never)]
+fn end_of_counted_job() {
+    std::hint::black_box(());
+}
+
+/// The jobs of [`instructions_of_each`].
+#[test]
+#[ignore = "tests that count instructions start it in valgrind"]
+fn counted_jobs() {
+    let Some(list) = std::env::var_os(JOBS) else { return };
+    let list = std::fs::read_to_string(list).expect("a list");
+    let out = tempfile::tempdir().expect("a folder");
+    end_of_counted_job();
+    for (kind, deck) in list.lines().filter_map(|line| line.split_once(' ')) {
+        if kind == "run" {
+            let prepared = job::prepare(Path::new(deck), &[], &Routines::none());
+            let files = JobFiles { folder: out.path().to_owned(), name: "job".into() };
+            let summary = job::run_to_files(&prepared, &files, &mut |_| {}).expect("files");
+            assert_eq!(summary.status, "completed", "{deck}");
+        } else {
+            let status = revolve::command_line(["revolve", "check", "--no-look", deck].map(OsString::from));
+            assert_eq!(status.0, 0, "{deck}");
+        }
+        end_of_counted_job();
+    }
 }
 
 /// Returns the instructions per increment: start and end of the program cancel in the difference of two durations.

@@ -568,7 +568,7 @@ fn force_on_a_debonding_disc_is_that_of_theory() {
     );
     let outputs = "*Output, history, number interval=4000\n*Node output, nset=CENTRE\n RF2, U2\n*Energy output\n ALLDMD, \
                    ETOTAL, ALLWK\n*End step\n";
-    let text = bonded_plate(&list, first, 1.0, &load, time, outputs);
+    let text = bonded_plate(&list, first, 2.0, &load, time, outputs);
     let (outcome, memory) = run(&text);
     assert_eq!(outcome.halt, None);
     let drift = last(&text, &memory, "ETOTAL") / last(&text, &memory, "ALLWK");

@@ -145,7 +145,7 @@ fn limit_load_of_sphere(n: usize) -> f64 {
 
 #[test]
 fn plastic_sphere_converges_to_its_limit_load() {
-    let over = [6, 10].map(|n| limit_load_of_sphere(n) - 1.0);
+    let over = [6, 8].map(|n| limit_load_of_sphere(n) - 1.0);
     // The load is an upper bound that decreases with the mesh; with locking it would be many times larger.
     assert!(over[0].abs() < 0.1 && over[1].abs() < 0.8 * over[0].abs(), "{over:?}");
 }

@@ -49,8 +49,8 @@ fn pressure_of_sphere(n: usize, controls: &str) -> f64 {
 
 #[test]
 fn plastic_sphere_of_triangles_does_not_lock() {
-    let averaged = [6, 9].map(|n| pressure_of_sphere(n, "material=M\n") - 1.0);
-    let plain = pressure_of_sphere(6, "material=M, controls=C\n*Section Controls, name=C, averaged pressure=NO\n");
+    let averaged = [5, 8].map(|n| pressure_of_sphere(n, "material=M\n") - 1.0);
+    let plain = pressure_of_sphere(5, "material=M, controls=C\n*Section Controls, name=C, averaged pressure=NO\n");
     // The error decreases with the mesh; without averaging the load is many times larger.
     assert!(averaged[0].abs() < 0.1 && averaged[1].abs() < 0.8 * averaged[0].abs(), "{averaged:?}");
     assert!(plain > 2.0, "{plain}");

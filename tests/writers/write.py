@@ -23,8 +23,8 @@ gmsh_msh22.msh gmsh_msh41.msh gmsh_node_groups.inp gmsh_ascii.vtk gmsh_from_med.
 medcoupling_ascii.vtu medcoupling_binary.vtu
 meshio_abaqus.inp meshio_abaqus_edges.inp meshio_vtk42.vtk meshio_vtk51.vtk meshio_ascii.vtu meshio_zlib.vtu
 meshio_cell_sets.vtu meshio_from_gmsh.vtu
-meshpy_meshio.inp meshpy_meshio.vtk
-netgen_abaqus.inp netgen_gmsh2.msh
+meshpy_meshio.inp meshpy_meshio.vtk meshpy_second_order.vtk
+netgen_abaqus.inp netgen_gmsh2.msh netgen_quads_gmsh2.msh netgen_second_order_gmsh2.msh
 pynastran_cps4r.inp pynastran_cax3.inp
 pyvista_ascii.vtk pyvista_zlib.vtu
 vtk_lz4.vtu vtk_zlib.vtu
@@ -47,6 +47,10 @@ def commands(folder):
     yield python + ["write_pyvista.py", folder], {}
     for tool in ("netgen", "meshpy", "pygmsh", "medcoupling", "pynastran"):
         yield (FIXED_TIME if tool == "medcoupling" else []) + python + ["write_others.py", folder, tool], {}
+    # They need another version of NumPy than pyNastran and medcoupling.
+    solvers = [os.environ["SOLVERS_PYTHON"]]
+    for tool in ("ngsolve", "meshpy", "mfem", "kratos"):
+        yield solvers + ["write_solvers.py", folder, tool], {}
     yield python + ["write_cgx.py", folder], {}
     yield python + ["write_abaqus.py", folder], {}
     yield FIXED_TIME + ["freecadcmd", os.path.join(HERE, "write_freecad.py")], freecad

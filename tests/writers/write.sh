@@ -20,7 +20,12 @@ python3 -m venv "$work/venv"
     gmsh==4.15.2 meshio==5.3.5 netgen-mesher==6.2.2608 netgen-occt==7.8.1 MeshPy==2026.1.1 pyvista==0.46.4 vtk==9.5.2 \
     medcoupling==9.15.0 pyNastran==1.4.1 pygmsh==7.1.17 numpy==1.26.4
 
-"$work/venv/bin/python" "$here/write.py" "$target"
+python3 -m venv "$work/solvers"
+"$work/solvers/bin/pip" install -q --disable-pip-version-check \
+    ngsolve==6.2.2608 netgen-mesher==6.2.2608 netgen-occt==7.8.1 mfem==4.10.0.1 KratosMultiphysics==10.4.4 MeshPy==2026.1.1 \
+    meshio==5.3.5
+
+SOLVERS_PYTHON="$work/solvers/bin/python" "$work/venv/bin/python" "$here/write.py" "$target"
 
 # Table: size and first line of each file.
 printf '\n%-40s %8s  %s\n' file bytes 'first line'

@@ -60,6 +60,9 @@ pub(super) struct PlaneMesh {
 /// Largest number of points of a cell.
 const MOST_POINTS: usize = 6;
 
+/// Part of the reason if a program has written each face apart.
+pub(super) const NO_COMMON_POINTS: &str = "have no common points";
+
 /// Rounding errors of coordinates, as a fraction of the largest one.
 const ROUNDING: f64 = 1e-12;
 
@@ -149,6 +152,7 @@ impl ListedMesh {
     pub fn in_plane(mut self) -> Result<PlaneMesh, String> {
         self.check_cells()?;
         self.forget_unused_points();
+        self.check_connections()?;
         let representatives = self.representatives();
         let repeated_cells = representatives.iter().enumerate().filter(|(index, first)| index != *first).count();
         let has_groups_of_edges = !self.is_complete && self.cells.iter().any(|cell| cell.dimension == 1);
@@ -220,6 +224,31 @@ impl ListedMesh {
             ));
         }
         Ok(())
+    }
+
+    /// Programs that write discontinuous fields give each cell points of its own: such cells would move apart as separate
+    /// bodies.
+    fn check_connections(&self) -> Result<(), String> {
+        let faces = || self.cells.iter().filter(|cell| cell.dimension == 2);
+        let mut users = vec![0_usize; self.points.len()];
+        faces().flat_map(|cell| &cell.points).for_each(|&point| users[point] += 1);
+        let used: Vec<usize> = (0..users.len()).filter(|&point| users[point] > 0).collect();
+        if self.is_complete || used.iter().any(|&point| users[point] > 1) {
+            return Ok(());
+        }
+        let bits = |point: &usize| self.points[*point].map(|x| (x + 0.0).to_bits());
+        let mut points_at_place: HashMap<[u64; 3], usize> = HashMap::with_capacity(used.len());
+        used.iter().map(bits).for_each(|place| *points_at_place.entry(place).or_default() += 1);
+        let coincident: usize = points_at_place.values().filter(|count| **count > 1).sum();
+        if 2 * coincident <= used.len() {
+            return Ok(());
+        }
+        Err(format!(
+            "its {} faces {NO_COMMON_POINTS}, but {coincident} of their {} points are at the place of another one: they would be \
+             separate bodies",
+            faces().count(),
+            used.len()
+        ))
     }
 
     /// Returns for each cell the first one with the same points.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::context::Context;
 use super::families::MeshReader;
-use super::mesh_data::{MeshCell, PlaneMesh, is_in_half_plane};
+use super::mesh_data::{MeshCell, NO_COMMON_POINTS, PlaneMesh, is_in_half_plane};
 use super::names::{SetKind, qualified};
 use super::types::{ElementKind, ElementSide, ElementSurface};
 use super::vtk_mesh::is_mesh_array;
@@ -17,6 +17,8 @@ const VTK_HELP: &str =
     "save it as one .vtu or legacy .vtk file with zlib, LZ4 or no compression; LZMA is not supported";
 const GMSH_HELP: &str = "for linear elements: Mesh.ElementOrder = 1, or SetOrder 1 after the mesh is made";
 const INP_HELP: &str = "write linear elements (CPS3, CPS4, CAX3, CAX4R) of the half-plane z = 0";
+const JOIN_POINTS: &str = "save the mesh, not the fields (Netgen: Export, MFEM: PrintVTK), or join the points with PyVista, \
+     body by body if bodies touch: pyvista.read(FILE).clean().save(NEW)";
 /// Formats that are not read, by the ending of the file.
 const OTHER_FORMATS: [(&str, &str); 7] = [
     ("med", "MED"),
@@ -41,12 +43,16 @@ fn read_any(folder: &Path, path: &Path) -> Result<PlaneMesh, (String, &'static s
     }
     let bytes = || files::read_below(folder, path).map_err(|e| e.to_string());
     let text = || bytes().map(lossy_text);
+    let with_help = |why: String, help| {
+        let help = if why.contains(NO_COMMON_POINTS) { JOIN_POINTS } else { help };
+        (why, help)
+    };
     match ending.as_str() {
-        "msh" => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, GMSH_HELP)),
-        "inp" => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, INP_HELP)),
+        "msh" => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| with_help(why, GMSH_HELP)),
+        "inp" => text().and_then(|t| inp_file::parse(&t)).map_err(|why| with_help(why, INP_HELP)),
         _ => {
             let mesh = vtk_file::check_length(path).and_then(|()| vtk_file::parse(&bytes()?, &is_mesh_array));
-            mesh.and_then(|mesh| mesh.into_listed().in_plane()).map_err(|why| (why, VTK_HELP))
+            mesh.and_then(|mesh| mesh.into_listed().in_plane()).map_err(|why| with_help(why, VTK_HELP))
         }
     }
 }
