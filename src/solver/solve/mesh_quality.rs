@@ -82,13 +82,13 @@ impl MeshQuality {
         match trigger {
             FirstMesh::Squashed(limit) => self.is_collapsed(group, limit, elements),
             FirstMesh::Sharp(limit) => {
-                let smallest = || smallest_sines(&*elements.groups[group], &run.state).fold(1.0, f64::min);
+                let smallest = smallest_sines(&*elements.groups[group], &run.state).fold(1.0, f64::min);
                 if self.limit == 0.0 {
-                    self.limit = limit.min(WORSE * libm::asin(smallest()));
+                    self.limit = limit.min(WORSE * libm::asin(smallest));
                 }
                 self.increment = self.increment.max(elements.undisturbed_increment());
                 let is_short = elements.stable_increment() < AutomaticMeshes::COLLAPSED_AT_FACES * self.increment;
-                is_short && smallest() < libm::sin(self.limit)
+                smallest < if is_short { libm::sin(self.limit) } else { 0.0 }
             }
         }
     }

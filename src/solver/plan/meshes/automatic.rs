@@ -39,8 +39,8 @@ struct WaitingBody {
 pub enum FirstMesh {
     /// Its elements are squashed, and the stable time increment is below this fraction of the largest one.
     Squashed(f64),
-    /// Smoothing has not kept the angles of its adaptive mesh above this one, radians, and the stable time increment is below
-    /// [`AutomaticMeshes::COLLAPSED_AT_FACES`].
+    /// A corner of its adaptive mesh has turned over; or smoothing has not kept the angles above this one, radians, and the stable
+    /// time increment is below [`AutomaticMeshes::COLLAPSED_AT_FACES`].
     Sharp(f64),
 }
 
