@@ -87,7 +87,7 @@ impl MeshQuality {
                     self.limit = limit.min(WORSE * libm::asin(smallest));
                 }
                 self.increment = self.increment.max(elements.undisturbed_increment());
-                let is_short = elements.stable_increment() < AutomaticMeshes::COLLAPSED_AT_FACES * self.increment;
+                let is_short = elements.stable_increment() < AutomaticMeshes::COLLAPSED_ADAPTIVE * self.increment;
                 smallest < if is_short { libm::sin(self.limit) } else { 0.0 }
             }
         }

@@ -40,16 +40,17 @@ pub enum FirstMesh {
     /// Its elements are squashed, and the stable time increment is below this fraction of the largest one.
     Squashed(f64),
     /// A corner of its adaptive mesh has turned over; or smoothing has not kept the angles above this one, radians, and the stable
-    /// time increment is below [`AutomaticMeshes::COLLAPSED_AT_FACES`].
+    /// time increment is below [`AutomaticMeshes::COLLAPSED_ADAPTIVE`].
     Sharp(f64),
 }
 
 impl AutomaticMeshes {
     /// Fraction of the largest stable time increment below which squashed elements are worth a new mesh.
     const COLLAPSED: f64 = 0.3;
-    /// The same for the first new mesh of a body in contact with faces, whose forces a new outline disturbs a little, and of
-    /// adaptive meshes, which smoothing may still repair.
-    pub const COLLAPSED_AT_FACES: f64 = 0.2;
+    /// The same for the first new mesh of a body in contact with faces, whose forces a new outline disturbs a little.
+    const COLLAPSED_AT_FACES: f64 = 0.2;
+    /// The same for adaptive meshes with sharp angles, which smoothing may still repair.
+    pub const COLLAPSED_ADAPTIVE: f64 = 0.15;
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
