@@ -49,16 +49,16 @@ fn taylor_bar_keeps_its_length_and_foot() {
 #[test]
 fn fast_bar_keeps_its_elements_at_the_axis() {
     let fast = [("radius", "3e-3"), ("length", "30e-3"), ("nr", "6"), ("nz", "60"), ("speed", "400.")];
-    let lengths = ["1", "5"].map(|every| {
+    let (_, fine) = run(&taylor(""), &[fast[0], fast[1], fast[4], ("nr", "12"), ("nz", "120")]);
+    for every in ["1", "5"] {
         let card = format!("*Adaptive Mesh, elset=BAR, frequency={every}\n");
         let (outcome, history) = run(&taylor(&card), &fast);
-        let length = history.0["COOR2@TIP"].last;
-        println!("every {every}: length {length:e}, {} increments", outcome.increments);
+        let ratio = history.0["COOR2@TIP"].last / fine.0["COOR2@TIP"].last;
+        println!("every {every}: length {ratio} of that of a fine mesh, {} increments", outcome.increments);
         assert_eq!(outcome.halt, None);
         assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
-        length
-    });
-    assert!((lengths[0] / lengths[1] - 1.0).abs() < 5e-3, "{lengths:?}");
+        assert!((ratio - 1.0).abs() < 1e-2, "{ratio}");
+    }
 }
 
 /// Upsetting to a quarter of the height: the force on a coarse adaptive mesh is that on the mesh of twice the fineness
@@ -335,11 +335,11 @@ fn sticking_billet([n, m]: [usize; 2], cards: &str, in_step: &str) -> (Outcome, 
 }
 
 /// Where smoothing does not keep the angles of an adaptive mesh, the body has a new mesh and the run completes, with the work of
-/// `*REMESH` within 2 %. The angles at the end are above 12.5 degrees, half of the limit.
+/// `*REMESH` with twice as many elements in both directions within 2 %. The mesh is valid at the end, with angles above 10 degrees.
 #[test]
 fn folded_adaptive_meshes_are_replaced() {
     let size = [18, 26];
-    let (_, remeshed) = sticking_billet(size, "*Remesh, elset=SOLID, angle=25., frequency=20\n", "");
+    let (_, remeshed) = sticking_billet([36, 52], "*Remesh, elset=SOLID, angle=25., frequency=20\n", "");
     for in_step in ["*Adaptive Mesh, elset=SOLID\n", "*Adaptive Mesh, elset=SOLID, frequency=2\n"] {
         let (outcome, history) = sticking_billet(size, "", in_step);
         let work = history.0["ALLWK"].last / remeshed.0["ALLWK"].last - 1.0;
@@ -347,7 +347,7 @@ fn folded_adaptive_meshes_are_replaced() {
         println!("{}: work {:.2} % apart, {shape:?}, drift {:.1e}", in_step.trim(), 100.0 * work, outcome.energy.drift);
         assert_eq!(outcome.halt, None);
         assert!(outcome.warnings.iter().any(|warning| warning.contains("smoothing has not kept the angles of the adaptive mesh of material M")));
-        assert!(work.abs() < 2e-2 && shape.turned_corners == 0 && shape.smallest_angle > 12.5, "{work} {shape:?}");
+        assert!(work.abs() < 2e-2 && shape.turned_corners == 0 && shape.smallest_angle > 10.0, "{work} {shape:?}");
         assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
     }
 }

@@ -50,7 +50,7 @@ impl AutomaticMeshes {
     /// The same for the first new mesh of a body in contact with faces, whose forces a new outline disturbs a little.
     const COLLAPSED_AT_FACES: f64 = 0.2;
     /// The same for adaptive meshes with sharp angles, which smoothing may still repair.
-    pub const COLLAPSED_ADAPTIVE: f64 = 0.15;
+    pub const COLLAPSED_ADAPTIVE: f64 = 0.12;
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
