@@ -9,11 +9,11 @@ use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
 use crate::model::{
-    AnalyticalFront, ElementSide, GeneralContact, Mesh, Model, ShellSection, SideSelection, SurfaceContact,
+    AnalyticalFront, Element, ElementSide, GeneralContact, Mesh, Model, ShellSection, SideSelection, SurfaceContact,
 };
 use crate::plan::meshes::pieces::pieces;
 use crate::plan::solids::user_material::deletes;
-use crate::plan::{Report, StepInput};
+use crate::plan::{Report, Scene, StepInput};
 
 /// Maximum penetration of a facet, in facet lengths.
 const DEEPEST: f64 = 2.0;
@@ -31,6 +31,8 @@ pub struct ContactGeometry {
     pub curves: Vec<FacetCurve>,
     /// Element and nodes of each exposed facet, by curve.
     pub facet_elements: Vec<Vec<(usize, [usize; 2])>>,
+    /// Smallest thickness of the elements at the facets of each curve.
+    pub thicknesses: Vec<f64>,
     /// Maximum and mean facet length of each curve, and whether it has deformable nodes.
     pub lengths: Vec<[f64; 2]>,
     pub deforms: Vec<bool>,
@@ -174,9 +176,35 @@ pub fn add_curve(
     let curve = geometry.add_curve(&facets, lifts, exposed_count, (context.skin, &shells_of(scene.model, sides)));
     geometry.curves[curve].is_side_of_line =
         contact.general && shell_section(scene.model, facets[0].1).is_none() && has_both_sides(sides, context.pairs);
+    geometry.thicknesses.push(smallest_thickness(scene, &facet_elements));
     geometry.facet_elements.push(facet_elements);
     geometry.by_name.insert(key, curve);
     Some(curve)
+}
+
+/// Returns the smallest thickness normal to the surface of the deformable solid elements of facets; infinite without
+/// any.
+fn smallest_thickness(scene: Scene, facets: &[(usize, [usize; 2])]) -> f64 {
+    let mesh = &scene.model.mesh;
+    let thickness = |&(element, nodes): &(usize, [usize; 2])| {
+        let mesh_element = &mesh.elements[element];
+        if !scene.places.elements.contains_key(&element) || !mesh_element.kind.is_solid() {
+            return f64::INFINITY;
+        }
+        let [a, b] = nodes.map(|n| mesh.points[n]);
+        height(mesh_element, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
+    };
+    facets.iter().map(thickness).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the thickness of an element normal to a side: area over side length, for triangles twice this value.
+pub fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
+    let corner = |i: usize| points[element.nodes[i % element.nodes.len()]];
+    let cross = |i: usize| corner(i)[0] * corner(i + 1)[1] - corner(i + 1)[0] * corner(i)[1];
+    let area = 0.5 * (0..element.nodes.len()).map(cross).sum::<f64>();
+    // A facet of a six-node triangle is half of a side.
+    let share = if element.nodes.len() == 3 { 2.0 } else { 1.0 };
+    share * area.abs() / length
 }
 
 /// Warns of the facets that general contact leaves out because of nodes in equations.
@@ -312,6 +340,7 @@ impl ContactGeometry {
         // Without facets there is no length scale.
         self.lengths.push([f64::INFINITY; 2]);
         self.facet_elements.push(Vec::new());
+        self.thicknesses.push(f64::INFINITY);
         self.curves.push(curve);
         self.curves.len() - 1
     }

@@ -21,7 +21,7 @@ use crate::plan::contact::analytical::{analytical_contact, friction_of};
 use crate::plan::contact::cohesion::{CohesionList, CohesionOrigin, add_cohesion, report_cohesion};
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, solid_skin};
 use crate::plan::contact::general::{general_row, pair_name};
-use crate::plan::contact::penalty::{PENALTY_FACTOR, smallest_thickness, spring_laws};
+use crate::plan::contact::penalty::{PENALTY_FACTOR, spring_laws};
 use crate::plan::contact::walls::{spatial_side, station_contact};
 use crate::plan::queries::{heated_references, largest_distances, number_of_node};
 use crate::plan::{Pairs, Report, Scene, StepInput};
@@ -162,7 +162,7 @@ fn pair_of_curves(
     pair.first = curves[0] == first;
     // Faces of one body meet again and again where it folds or erodes; their impacts do not limit the increment.
     if !contact.is_self_contact() {
-        let thickness = curves.map(|curve| smallest_thickness(scene, &geometry.facet_elements[curve]));
+        let thickness = curves.map(|curve| geometry.thicknesses[curve]);
         pair.thickness = thickness[0].min(thickness[1]);
     }
     Some((pair, length))
@@ -185,7 +185,7 @@ fn analytical_pair(
     geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
-    let StepInput { scene, pairs, .. } = context.input;
+    let pairs = context.input.pairs;
     let ([curve, analytical], id) = analytical_contact((contact, side), context, geometry, report)?;
     if context.general.is_some_and(|g| contact.general && g.detached_nodes != DetachedNodes::InContact) {
         geometry.curves[curve].drops_orphans = true;
@@ -193,7 +193,7 @@ fn analytical_pair(
     let length = geometry.lengths[curve][0];
     let mut pair = ContactPair::in_front_of(id, pair_number(pairs, contact), curve, analytical, length);
     pair.first = side.side == 1;
-    pair.thickness = smallest_thickness(scene, &geometry.facet_elements[curve]);
+    pair.thickness = geometry.thicknesses[curve];
     Some((pair, length))
 }
 

@@ -6,9 +6,9 @@ use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
-use crate::model::{Element, ElementSide, MaterialId, Model, ShellLayer, SurfaceContact};
-use crate::plan::contact::curves::ContactGeometry;
-use crate::plan::{Report, Scene, StepInput};
+use crate::model::{ElementSide, MaterialId, Model, ShellLayer, SurfaceContact};
+use crate::plan::contact::curves::{ContactGeometry, height};
+use crate::plan::{Report, StepInput};
 
 /// Stiffness of penalty springs over that of one layer of elements. It does not limit the increment.
 pub const PENALTY_FACTOR: f64 = 50.0;
@@ -79,31 +79,6 @@ fn initial_temperature(model: &Model, element: usize) -> Option<f64> {
     };
     let temperatures: Vec<f64> = nodes.iter().map(of_node).collect::<Option<_>>()?;
     Some(temperatures.iter().sum::<f64>() / nodes.len() as f64)
-}
-
-/// Returns the smallest thickness normal to the surface of the deformable solid elements of facets; infinite without
-/// any.
-pub fn smallest_thickness(scene: Scene, facets: &[(usize, [usize; 2])]) -> f64 {
-    let mesh = &scene.model.mesh;
-    let thickness = |&(element, nodes): &(usize, [usize; 2])| {
-        let mesh_element = &mesh.elements[element];
-        if !scene.places.elements.contains_key(&element) || !mesh_element.kind.is_solid() {
-            return f64::INFINITY;
-        }
-        let [a, b] = nodes.map(|n| mesh.points[n]);
-        height(mesh_element, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
-    };
-    facets.iter().map(thickness).fold(f64::INFINITY, f64::min)
-}
-
-/// Returns the thickness of an element normal to a side: area over side length, for triangles twice this value.
-fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
-    let corner = |i: usize| points[element.nodes[i % element.nodes.len()]];
-    let cross = |i: usize| corner(i)[0] * corner(i + 1)[1] - corner(i + 1)[0] * corner(i)[1];
-    let area = 0.5 * (0..element.nodes.len()).map(cross).sum::<f64>();
-    // A facet of a six-node triangle is half of a side.
-    let share = if element.nodes.len() == 3 { 2.0 } else { 1.0 };
-    share * area.abs() / length
 }
 
 /// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
