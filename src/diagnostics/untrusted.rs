@@ -85,7 +85,9 @@ fn resolved(file: &Path) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_open_outside, is_outside};
+    #[cfg(unix)]
+    use super::is_open_outside;
+    use super::is_outside;
 
     #[test]
     fn files_below_the_folder_are_inside() {
