@@ -145,7 +145,7 @@ fn cards_of_the_deck_replace_sets_and_surfaces_of_groups() {
 }
 
 /// Lines that are no edge of a face are rigid elements; the others are not.
-/// Programs that write discontinuous fields give each cell points of its own.
+/// Programs that write discontinuous fields give each cell separate points.
 #[test]
 fn faces_without_common_points_are_refused() {
     let file = |step: usize| {

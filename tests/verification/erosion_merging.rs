@@ -136,7 +136,7 @@ fn first_touch_is_the_only_loss_without_deletion() {
 fn warning_names_the_kinds_of_impact_that_lose_most() {
     let prepared = job::prepare(&project("input/rod_plate_deletion.inp"), &pairs(&[("mesh", "4")]), &Routines::none());
     let (outcome, _) = job::run_in_memory(&prepared);
-    let (losses, energy) = (outcome.contact_losses.expect("deleted elements"), outcome.energy);
+    let (losses, energy) = (outcome.contact_losses.expect("deleted elements").parts, outcome.energy);
     let warning = outcome.warnings.iter().find(|w| w.starts_with("R309")).expect("a warning");
     println!("{warning}");
     let named =

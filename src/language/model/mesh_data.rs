@@ -226,7 +226,7 @@ impl ListedMesh {
         Ok(())
     }
 
-    /// Programs that write discontinuous fields give each cell points of its own: such cells would move apart as separate
+    /// Programs that write discontinuous fields give each cell separate points: such cells would move apart as separate
     /// bodies.
     fn check_connections(&self) -> Result<(), String> {
         let faces = || self.cells.iter().filter(|cell| cell.dimension == 2);

@@ -7,7 +7,7 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::PointValue;
 use crate::material::carried::carried_state;
-use crate::material::plasticity::{FlowUpdate, HardeningLaw};
+use crate::material::plasticity::{FlowUpdate, HardeningLaw, share_of};
 use crate::state::archive::Persist;
 
 /// Linear kinematic hardening with rate and temperature dependence (ABAQUS Analysis User's Guide, "Models for metals
@@ -31,11 +31,6 @@ pub struct RateBackStress {
     slope: Lanes,
     /// Back stress: rr, zz, hoop, rz; its trace is zero.
     back: [Lanes; 4],
-}
-
-/// Returns the factor on the stress of a lane; 1 for a material that cannot be damaged.
-fn share_of(remaining: Option<&Lanes>, lane: usize) -> f64 {
-    remaining.map_or(1.0, |remaining| remaining[lane])
 }
 
 impl HardeningLaw for RateKinematicHardening {

@@ -83,6 +83,11 @@ pub struct FlowUpdate<'a> {
     pub increment: &'a mut Lanes,
 }
 
+/// Returns the factor on the stress of a lane; 1 for a material that cannot be damaged.
+pub(super) fn share_of(remaining: Option<&Lanes>, lane: usize) -> f64 {
+    remaining.map_or(1.0, |remaining| remaining[lane])
+}
+
 /// No yield.
 #[derive(Clone, Copy, Debug)]
 pub struct ElasticOnly;
@@ -211,8 +216,7 @@ impl HardeningLaw for RateDependentHardening {
             for l in 0..flow.count {
                 if increment[l] > 0.0 {
                     let returned = flow.trial[l] - flow.shear3 * increment[l];
-                    let undamaged = 0.5 * (flow.previous[l] + returned);
-                    let mean = flow.remaining.map_or(undamaged, |remaining| remaining[l] * undamaged);
+                    let mean = share_of(flow.remaining, l) * (0.5 * (flow.previous[l] + returned));
                     temperature[l] += self.heating.rise(temperature[l], [mean, increment[l]]);
                 }
             }

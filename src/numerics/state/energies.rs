@@ -1,5 +1,7 @@
 //! Energies of deformable bodies, summed over a run.
 
+use serde::Serialize;
+
 use super::archive::Persist;
 
 /// Flow through the Eulerian boundaries of adaptive meshes since the start of the analysis.
@@ -28,7 +30,7 @@ pub enum ImpactKind {
 }
 
 /// Energy that contact has absorbed normal to the surfaces, by the kind of the impact. Penalty springs do not count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist, Serialize)]
 pub struct ImpactLosses {
     /// Loss of faces that have been exposed since the start.
     pub first_touch: f64,

@@ -61,8 +61,6 @@ pub struct Plan {
     pub mesh_cards: MeshCards,
     /// Whether the variables of an element group can move from element to element, as in adaptive and new meshes.
     pub movable_groups: Vec<bool>,
-    /// Whether nodes without elements leave the contact (`NODAL EROSION=YES`).
-    pub excludes_detached_nodes: bool,
     /// Ranges in which the constants of materials hold.
     pub ranges: Vec<PlannedRange>,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.

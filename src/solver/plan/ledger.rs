@@ -65,13 +65,13 @@ impl Ledger {
         self.effects.len() - 1
     }
 
-    /// Brings the rows into the order of those of a later mesh, and adds the rows that only that one has. Rows that it does not
-    /// have are the last ones.
+    /// Brings the rows into the order of the rows of a later mesh, and adds the rows that only the later mesh has. Rows that it
+    /// does not have are the last ones.
     pub fn follow(&mut self, later: Vec<LedgerRow>) {
         let mut first: Vec<Option<LedgerRow>> = self.effects.drain(..).map(Some).collect();
         for row in later {
-            let same = |planned: &&mut Option<LedgerRow>| planned.as_ref().is_some_and(|planned| planned.is_same(&row));
-            let planned = first.iter_mut().find(same).and_then(Option::take);
+            let is_same = |planned: &LedgerRow| planned.is_of(&row.effect, &row.asked_by);
+            let planned = first.iter_mut().find_map(|planned| planned.take_if(|planned| is_same(planned)));
             self.effects.push(planned.unwrap_or(row));
         }
         self.effects.extend(first.into_iter().flatten());
@@ -142,9 +142,9 @@ const LISTED: usize = 3;
 const WIDTH: usize = 80;
 
 impl LedgerRow {
-    /// Returns whether this row and another one are those of the same effect on two meshes.
-    fn is_same(&self, other: &LedgerRow) -> bool {
-        self.effect == other.effect && self.asked_by == other.asked_by
+    /// Returns whether this is the row of an effect that these cards request, on any mesh.
+    pub fn is_of(&self, effect: &str, asked_by: &[String]) -> bool {
+        self.effect == effect && self.asked_by == asked_by
     }
 
     fn cells(&self, bytes: bool) -> Vec<String> {

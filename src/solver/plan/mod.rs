@@ -27,7 +27,7 @@ use std::sync::Arc;
 use crate::deck::Diagnostics;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::model::remesh::placed_for_ties;
-use crate::model::{MaterialDefinition, Model, Step};
+use crate::model::{MaterialDefinition, Model};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub(crate) use bodies::rigid_body::Bodies;
@@ -155,7 +155,6 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         automatic_meshes,
         mesh_cards: MeshCards::of(model),
         movable_groups,
-        excludes_detached_nodes: model.steps.iter().any(Step::excludes_detached_nodes),
         stiffening: stiffening(model),
         returns_heat: model.materials.iter().any(|m| m.is_ideal_gas() || m.is_explosive()),
         has_equation_of_state: model.has_equation_of_state(),

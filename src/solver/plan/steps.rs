@@ -9,8 +9,8 @@ use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    self, AnalyticalFront, BoundaryCondition, DetachedNodes, EnergyLimit, IncrementControl, LoadKind, MassScaling,
-    Model, ScalingSchedule, Step, SurfaceContact,
+    self, AnalyticalFront, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model,
+    ScalingSchedule, Step, SurfaceContact,
 };
 use crate::plan::changes::{ListChange, ListEntry};
 use crate::plan::checks::overlaps::overlapping_bodies;
@@ -198,7 +198,7 @@ pub fn plan(scene: Scene, links: &Links, pairs: &Pairs, state: RecordingState, r
             control: step.increment,
             scale_factor: step.scale_factor,
             load_velocity: step.load_velocity,
-            merges_detached_nodes: step.detached_nodes() == DetachedNodes::Merged,
+            merges_detached_nodes: step.merges_detached_nodes(),
             changes,
             energy_limit: energy_limit(step, report),
             outputs: output_schedules(scene.model, step, report),

@@ -45,8 +45,7 @@ pub(super) fn describe_losses(run: &RunState<'_>) -> Option<String> {
 pub(super) fn losses_of(run: &RunState<'_>) -> Option<ContactLosses> {
     let text = format!("absorbed: {}", describe_losses(run)?);
     let row = run.contacts().next()?.effect();
-    let ImpactLosses { first_touch, closing_gaps, free_points, merged_points } = run.state.dofs.energies.impacts;
-    Some(ContactLosses { row, text, first_touch, closing_gaps, free_points, merged_points })
+    Some(ContactLosses { row, text, parts: run.state.dofs.energies.impacts })
 }
 
 /// Returns how much energy contact has absorbed in which impacts, and what reduces the large parts; `share` is the fraction

@@ -8,6 +8,7 @@ use super::limits::IncrementLimits;
 use crate::load::PenetrationOutcome;
 use crate::plan::ledger::LedgerRow;
 use crate::state::EffectId;
+use crate::state::energies::ImpactLosses;
 use crate::state::halt::HaltReason;
 
 /// Result of a run.
@@ -126,14 +127,9 @@ pub struct ContactLosses {
     /// Description in percent of the energy put in.
     #[serde(skip)]
     pub text: String,
-    /// Loss of faces that have been exposed since the start.
-    pub first_touch: f64,
-    /// Loss of faces that element deletion has exposed.
-    pub closing_gaps: f64,
-    /// Loss of nodes without elements.
-    pub free_points: f64,
-    /// Loss of nodes without elements whose mass has joined their body.
-    pub merged_points: f64,
+    /// Parts of the energy.
+    #[serde(flatten)]
+    pub parts: ImpactLosses,
 }
 
 /// Share of a material beyond the range of its constants, part of `<job>.json`.

@@ -76,7 +76,7 @@ impl<'a> EffectTiming<'a> {
         let mut is_taken = vec![false; self.rows.len()];
         for EffectSeconds { effect, asked_by, seconds, whole } in &previous.effects {
             let mut rows = ledger.effects.iter().zip(&is_taken);
-            let same = rows.position(|(row, taken)| !taken && row.effect == *effect && row.asked_by == *asked_by);
+            let same = rows.position(|(row, taken)| !taken && row.is_of(effect, asked_by));
             if let Some(row) = same {
                 is_taken[row] = true;
                 self.rows[row] += seconds;

@@ -195,6 +195,13 @@ pub struct GeneralContact {
     pub detached_nodes: DetachedNodes,
 }
 
+impl GeneralContact {
+    /// Returns whether nodes without elements are taken out of contact.
+    pub fn excludes_detached_nodes(&self) -> bool {
+        self.detached_nodes != DetachedNodes::InContact
+    }
+}
+
 /// What happens to nodes whose elements are all deleted (`NODAL EROSION`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DetachedNodes {

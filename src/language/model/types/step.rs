@@ -67,12 +67,12 @@ impl Step {
 
     /// Returns whether nodes without elements are taken out of contact.
     pub fn excludes_detached_nodes(&self) -> bool {
-        self.detached_nodes() != DetachedNodes::InContact
+        self.general_contact.as_ref().is_some_and(GeneralContact::excludes_detached_nodes)
     }
 
-    /// Returns what happens to nodes whose elements are all deleted.
-    pub fn detached_nodes(&self) -> DetachedNodes {
-        self.general_contact.as_ref().map_or(DetachedNodes::InContact, |general| general.detached_nodes)
+    /// Returns whether the mass of nodes without elements joins their bodies.
+    pub fn merges_detached_nodes(&self) -> bool {
+        self.general_contact.as_ref().is_some_and(|general| general.detached_nodes == DetachedNodes::Merged)
     }
 
     /// Iterates over the friction laws of all contact definitions.

@@ -15,7 +15,7 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::{AdjustedGap, ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, InteractionLaw, PressureOverclosure};
-use crate::model::{AnalyticalFront, AnalyticalSide, DetachedNodes, Model, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalFront, AnalyticalSide, GeneralContact, Model, SideSelection, SurfaceContact};
 use crate::plan::checks::contact_pairs::{ContactingCurves, check_pair, order_curves};
 use crate::plan::contact::analytical::{analytical_contact, friction_of};
 use crate::plan::contact::cohesion::{CohesionList, CohesionOrigin, add_cohesion, report_cohesion};
@@ -141,7 +141,7 @@ fn pair_of_curves(
         return report.refuse(finding.help("at least one surface must belong to a deformable body"));
     }
     let general = context.general.filter(|_| contact.general);
-    if general.is_some_and(|g| g.detached_nodes != DetachedNodes::InContact) {
+    if general.is_some_and(GeneralContact::excludes_detached_nodes) {
         [first, second].into_iter().for_each(|curve| geometry.curves[curve].drops_orphans = true);
     }
     let curves = order_curves(scene.model, contact, [first, second], geometry, report);
@@ -187,7 +187,7 @@ fn analytical_pair(
 ) -> Option<(ContactPair, f64)> {
     let pairs = context.input.pairs;
     let ([curve, analytical], id) = analytical_contact((contact, side), context, geometry, report)?;
-    if context.general.is_some_and(|g| contact.general && g.detached_nodes != DetachedNodes::InContact) {
+    if context.general.is_some_and(|g| contact.general && g.excludes_detached_nodes()) {
         geometry.curves[curve].drops_orphans = true;
     }
     let length = geometry.lengths[curve][0];

@@ -7,7 +7,7 @@ use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, linked_nodes, single_nodes};
 use crate::model::{
-    AnalyticalFront, DetachedNodes, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
+    AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing, Step,
 };
 use crate::plan::constraints::surface_ties::find_attached_nodes;
 use crate::plan::contact::cohesion::cohesive_behaviors;
@@ -136,11 +136,6 @@ pub(super) fn remeshed_body(places: &SolidPlaces, card: &Remeshing, body: &Model
     }
 }
 
-/// Returns whether the mass of nodes without elements joins their bodies in a step.
-fn merges_detached_nodes(model: &Model) -> bool {
-    model.steps.iter().any(|step| step.detached_nodes() == DetachedNodes::Merged)
-}
-
 /// Returns why a body cannot be remeshed, and what could be.
 pub(super) fn unsupported_remeshing(
     scene: Scene,
@@ -165,7 +160,7 @@ pub(super) fn unsupported_remeshing(
         let message = format!("`{name}` contains elements other than CAX4R and CAX3");
         return Some((message, "give a set of CAX4R or CAX3 elements"));
     }
-    if group.properties().deletable && merges_detached_nodes(scene.model) {
+    if group.properties().deletable && scene.model.steps.iter().any(Step::merges_detached_nodes) {
         let message =
             format!("NODAL EROSION=MERGE adds mass to nodes of `{name}`, which new elements would not contain");
         return Some((message, "use NODAL EROSION=YES, or keep failed material instead of deleting it"));

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::kernel::topology::ElementTopology;
-use crate::model::{DetachedNodes, LoadKind, MassScaling, Model, ScalingSchedule, ScalingType, SolidSection, Step};
+use crate::model::{LoadKind, MassScaling, Model, ScalingSchedule, ScalingType, SolidSection, Step};
 use crate::plan::{Links, Report, StepInput};
 
 /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
@@ -121,7 +121,7 @@ pub fn check_scalable_step(step: &Step, report: &mut Report) {
 /// Reports mass scaling and loads of a step that do not follow the mass that nodes of deleted elements pass on
 /// (`NODAL EROSION=MERGE`).
 pub fn check_merging_step(model: &Model, step: &Step, report: &mut Report) {
-    if step.detached_nodes() != DetachedNodes::Merged {
+    if !step.merges_detached_nodes() {
         return;
     }
     let help = "use NODAL EROSION=YES";
