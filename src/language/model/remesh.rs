@@ -1,6 +1,6 @@
 //! A model with a new mesh of a body: sets, surfaces, loads and all other lists of nodes, elements and faces follow it.
 
-use std::collections::HashSet;
+use rustc_hash::FxHashSet;
 
 use super::name::NewLabels;
 use super::types::{
@@ -100,7 +100,10 @@ impl ModelBody {
                     keep_ends(&|edge| edge.ends.iter().all(|n| has[*n as usize]), &|n| has[n as usize]);
                 }
             }
-            MemberList::Faces(list) => keep_ends(&|edge| list.contains(&face(edge)), &|_| false),
+            MemberList::Faces(list) => {
+                let named: FxHashSet<(usize, ElementSide)> = list.iter().copied().collect();
+                keep_ends(&|edge| named.contains(&face(edge)), &|_| false);
+            }
             MemberList::Elements(_) => {}
         });
         single.extend(required_nodes(model).filter_map(|node| self.position(node)));
@@ -168,7 +171,7 @@ pub fn movable_nodes_of_histories(model: &Model) -> Vec<usize> {
 }
 
 /// Returns the indices of node sets whose extent output shows: those of frames and of statistics.
-fn sets_shown_as_a_whole(model: &Model) -> HashSet<usize> {
+fn sets_shown_as_a_whole(model: &Model) -> FxHashSet<usize> {
     let requests = model.steps.iter().flat_map(|step| &step.outputs);
     let whole = requests.filter(|request| request.kind == OutputKind::Field || !request.statistics.is_empty());
     let sets = whole.filter_map(|request| match request.region {
@@ -332,7 +335,7 @@ impl MeshRelation {
         (body, revision): (&ModelBody, &MeshRevision),
     ) {
         let elements = &model.remeshings[revision.body].elements;
-        let has: HashSet<(usize, ElementSide)> = list.iter().copied().collect();
+        let has: FxHashSet<(usize, ElementSide)> = list.iter().copied().collect();
         let others = list.iter().map(|(e, side)| (self.elements[*e], *side)).filter(|(e, _)| *e != GONE);
         let old = |(e, side): (u32, u8)| (elements[e as usize], face_of(&body.quads[e as usize], side));
         let new = revision.sides.iter().filter(|side| has.contains(&old(side.old)));

@@ -5,6 +5,7 @@ pub mod amplitude;
 pub mod assumed;
 pub mod attitude;
 pub mod blast_wave;
+pub mod box_grid;
 pub mod bulk_viscosity;
 pub mod cavity;
 pub mod chunks;

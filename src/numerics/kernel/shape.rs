@@ -17,10 +17,9 @@ pub fn corner_shape(corners: &[u32; 4], places: &[[f64; 2]]) -> f64 {
         return -1.0;
     }
     if is_triangle(corners) {
-        let square = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]);
-        let sides = square(positions[0], positions[1])
-            + square(positions[1], positions[2])
-            + square(positions[2], positions[0]);
+        let sides = squared_distance(positions[0], positions[1])
+            + squared_distance(positions[1], positions[2])
+            + squared_distance(positions[2], positions[0]);
         return FOUR_ROOT_THREE * area / sides;
     }
     let smallest = |a: f64, b: f64| if b < a { b } else { a };
@@ -51,6 +50,19 @@ pub fn smallest_sine(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f64
         twice_area([b, c, a]) / (distance(a, b) * distance(b, c))
     };
     corner_lists(corners).iter().map(sine).fold(1.0, f64::min)
+}
+
+/// Returns whether a quadrilateral is convex, and the squares of the sines of its angles are all above a limit; false for
+/// triangles.
+pub fn has_larger_sines(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2], square: f64) -> bool {
+    let [a, b, c, d] = corners.inline_map(place);
+    let sides = [(a, b), (b, c), (c, d), (d, a)].inline_map(|(from, to)| [to[0] - from[0], to[1] - from[1]]);
+    let squares = sides.inline_map(|[r, z]| r * r + z * z);
+    let is_larger = |i: usize, k: usize| {
+        let twice = sides[i][0] * sides[k][1] - sides[i][1] * sides[k][0];
+        twice > 0.0 && twice * twice > square * (squares[i] * squares[k])
+    };
+    is_larger(0, 1) & is_larger(1, 2) & is_larger(2, 3) & is_larger(3, 0)
 }
 
 /// Returns whether an element with these corners is a triangle.
@@ -97,7 +109,11 @@ pub fn share_between([from, to]: [[f64; 2]; 2], place: [f64; 2]) -> f64 {
 
 /// Returns the distance between two points.
 pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    ((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])).sqrt()
+    squared_distance(a, b).sqrt()
+}
+
+fn squared_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])
 }
 
 /// Returns the mean of the corners.

@@ -20,9 +20,14 @@ const SWEEPS: usize = 4;
 /// Moves nodes inside where this improves the worst element around them, in several sweeps.
 pub(super) fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
     let around = elements_around(&mesh.quads, mesh.points.len());
+    // A node stays where it is until it or a node of the elements around it has moved.
+    let mut may_move: Vec<bool> = on_boundary.iter().map(|is_on| !is_on).collect();
     for _ in 0..SWEEPS {
-        for n in (0..mesh.points.len()).filter(|n| !on_boundary[*n]) {
-            improve_node(mesh, n, &around[n]);
+        for n in 0..mesh.points.len() {
+            if std::mem::take(&mut may_move[n]) && improve_node(mesh, n, &around[n]) {
+                let moved = around[n].iter().flat_map(|e| mesh.quads[*e as usize]);
+                moved.for_each(|other| may_move[other as usize] = !on_boundary[other as usize]);
+            }
         }
     }
 }
@@ -53,8 +58,8 @@ fn worst_above(mesh: &BodyMesh, around: &[u32], limit: f64) -> Option<f64> {
 }
 
 /// Moves a node to the middle of its neighbours in the elements around it if this improves the worst element; otherwise
-/// to the best of several places around it.
-fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
+/// to the best of several places around it. Returns whether it has moved.
+fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) -> bool {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for quad in around.iter().map(|e| &mesh.quads[*e as usize]) {
         for i in (0..4).filter(|i| quad[*i] as usize == n) {
@@ -64,9 +69,10 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
             }
         }
     }
-    let mut best = (worst_around(mesh, around), mesh.points[n]);
+    let start = mesh.points[n];
+    let mut best = (worst_around(mesh, around), start);
     if best.0 > SUFFICIENT {
-        return;
+        return false;
     }
     let mut step = STEP * mesh.sizes[around[0] as usize];
     let middle = sum.inline_map(|x| x / count);
@@ -89,4 +95,5 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
         }
     }
     mesh.points[n] = best.1;
+    best.1 != start
 }

@@ -1,9 +1,10 @@
 //! Values between the nodes of a mesh, and material points that histories follow from mesh to mesh.
 
 use super::BodyMesh;
+use crate::kernel::box_grid::BoxGrid;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{halves, twice_area};
-use crate::kernel::sorted_boxes::{SortedBoxes, box_of};
+use crate::kernel::sorted_boxes::box_of;
 use crate::state::archive::Persist;
 
 /// A place in a triangle of nodes.
@@ -26,8 +27,7 @@ impl PlaceInTriangle {
 /// Finds places in the triangles of a mesh; those outside are moved to the nearest element.
 pub fn places_in_triangles(mesh: &BodyMesh, at: &[[f64; 2]]) -> Vec<PlaceInTriangle> {
     let triangles: Vec<_> = mesh.quads.iter().flat_map(|quad| triangles_of(mesh, quad)).collect();
-    let mut boxes = SortedBoxes::with_capacity(triangles.len());
-    boxes.sort(triangles.iter().map(|(_, corners)| box_of(corners)).zip(0..));
+    let boxes = BoxGrid::new(triangles.iter().map(|(_, corners)| box_of(corners)).zip(0..));
     let find = |place: [f64; 2]| {
         let mut reach = 0.0;
         let mut best = (f64::NEG_INFINITY, u32::MAX, [0.0; 3]);

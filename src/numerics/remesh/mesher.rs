@@ -1,6 +1,8 @@
 //! New elements inside the outline of a body: triangles, of which most are paired to quadrilaterals.
 
-use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
+
+use rustc_hash::FxHashMap;
 
 use super::folds::repair;
 use super::improvement::{improve, quality};
@@ -11,7 +13,7 @@ use super::splitting::split;
 use super::triangulation::fill;
 use super::{BodyMesh, INSIDE, MOST_NEW_ELEMENTS, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::{corner_shape, middle, share_between, smallest_sine};
+use crate::kernel::shape::{corner_shape, has_larger_sines, middle, share_between, smallest_sine};
 
 /// Ways to divide a body, tried one after the other up to the first good mesh. With an edge of 1.07, two triangles have the
 /// area of a square; the shorter ones follow a more curved outline.
@@ -27,6 +29,8 @@ const DIVISIONS: [Division; 6] = [
 const SUFFICIENT: f64 = 0.35;
 /// Smallest ratio of the corner triangles of an element to half its area.
 const FLAT: f64 = 0.02;
+/// Margin for rounding when squares of sines are compared.
+const ROUNDING: f64 = 1e-9;
 
 /// How a body is divided.
 #[derive(Clone, Copy)]
@@ -192,7 +196,7 @@ fn repair_points(all: &mut [Vec<OutlinePoint>], sizes: &[f64], kept: &[bool]) {
 /// Relates a mesh, whose first points are those of the outline, to the old one.
 fn revision_of(mesh: BodyMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision {
     let mut revision = MeshRevision { mesh, ..MeshRevision::default() };
-    let mut outline: HashMap<[u32; 2], (u32, u8)> = HashMap::new();
+    let mut outline: FxHashMap<[u32; 2], (u32, u8)> = FxHashMap::default();
     for points in all {
         let (first, count) = (revision.parents.len() as u32, points.len() as u32);
         for (i, point) in (0..).zip(points) {
@@ -224,9 +228,18 @@ pub fn sharpest(quads: &[[u32; 4]], place: impl Fn(u32) -> [f64; 2]) -> f64 {
     libm::asin(quads.iter().map(|quad| smallest_sine(quad, &place)).fold(1.0, f64::min))
 }
 
+/// Returns whether [`sharpest`] is below a limit, radians. The angles of most elements are compared without roots.
+pub fn is_sharper(quads: &[[u32; 4]], place: impl Fn(u32) -> [f64; 2], limit: f64) -> bool {
+    let square = libm::sin(limit) * libm::sin(limit);
+    let is_clear = |quad: &[u32; 4]| {
+        (0.0..FRAC_PI_2).contains(&limit) && has_larger_sines(quad, &place, square * (1.0 + ROUNDING))
+    };
+    quads.iter().any(|quad| !is_clear(quad) && libm::asin(smallest_sine(quad, &place)) < limit)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{OutlineRules, new_mesh, sharpest};
+    use super::{OutlineRules, is_sharper, new_mesh, sharpest};
     use crate::kernel::quad::stable_edge;
     use crate::kernel::shape::{corner_shape, is_triangle};
     use crate::remesh::BodyMesh;
@@ -258,6 +271,21 @@ mod tests {
 
     fn rules(kept: &[bool]) -> OutlineRules<'_> {
         OutlineRules { kept, fixed: &[], place: &|_, _| None }
+    }
+
+    /// The answers are those of the smallest angle, also at limits that equal it, and in a concave element.
+    #[test]
+    fn comparison_without_roots_agrees_with_the_smallest_angle() {
+        for bend in [0.0, 0.05, 0.2, 0.9, 1.6] {
+            let mesh = block(4, 4, |x, y| [x + bend * y * (1.0 - y), y + 0.5 * bend * x * y]);
+            for quad in &mesh.quads {
+                let (place, quads) = (|n: u32| mesh.points[n as usize], [*quad]);
+                let angle = sharpest(&quads, place);
+                for limit in [angle - 1e-12, angle, angle.next_up(), angle + 1e-12, 0.2, 0.0, -0.1] {
+                    assert_eq!(is_sharper(&quads, place, limit), angle < limit, "{bend}: {angle} {limit}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Outline of a body: loops of boundary edges, and their division into edges of given lengths.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::BodyMesh;
 use crate::kernel::lanes::InlineMap;
@@ -37,7 +37,7 @@ pub struct OutlinePoint {
 
 /// Returns the boundary edges of elements, in the order of their nodes.
 pub fn boundary_edges(quads: &[[u32; 4]]) -> Vec<BoundaryEdge> {
-    let mut open: HashMap<[u32; 2], BoundaryEdge> = HashMap::new();
+    let mut open: FxHashMap<[u32; 2], BoundaryEdge> = FxHashMap::default();
     for (e, quad) in quads.iter().enumerate() {
         for side in 0..4 {
             let ends = [quad[side], quad[(side + 1) % 4]];

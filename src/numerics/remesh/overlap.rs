@@ -1,9 +1,10 @@
 //! Common parts of old and new elements of a body: the ring that each pair of elements shares.
 
 use super::BodyMesh;
+use crate::kernel::box_grid::BoxGrid;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{distance, halves, middle, twice_area};
-use crate::kernel::sorted_boxes::{SortedBoxes, box_of};
+use crate::kernel::sorted_boxes::box_of;
 
 /// The part of an old element that is in a new one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,8 +27,7 @@ const SLIVER: f64 = 1e-12;
 /// ascending order; each is one part.
 pub fn common_parts(old: &BodyMesh, new: &BodyMesh, unchanged: &[u32]) -> Vec<CommonPart> {
     let cells: Vec<[[f64; 2]; 4]> = new.quads.iter().map(|quad| new.corners(quad)).collect();
-    let mut boxes = SortedBoxes::with_capacity(cells.len());
-    boxes.sort(cells.iter().map(|cell| box_of(cell)).zip(0..).skip(unchanged.len()));
+    let boxes = BoxGrid::new(cells.iter().map(|cell| box_of(cell)).zip(0..).skip(unchanged.len()));
     let mut parts: Vec<CommonPart> = Vec::new();
     let (mut near, mut polygon, mut work) = (Vec::new(), Vec::new(), Vec::new());
     for (e, quad) in (0..).zip(&old.quads) {

@@ -1,6 +1,8 @@
 //! Quadrilaterals from pairs of triangles with a common edge; triangles without a partner remain.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
+
+use rustc_hash::FxHashMap;
 
 use super::triangulation::TriangleMesh;
 use crate::kernel::lanes::InlineMap;
@@ -50,7 +52,7 @@ pub(super) fn elements(mesh: &TriangleMesh) -> Vec<[u32; 4]> {
 /// Returns for each triangle those with which it makes a quadrilateral with valid angles.
 fn partners(mesh: &TriangleMesh) -> Vec<Vec<Partner>> {
     let mut partners = vec![Vec::new(); mesh.triangles.len()];
-    let mut open: HashMap<[u32; 2], (u32, u32)> = HashMap::new();
+    let mut open: FxHashMap<[u32; 2], (u32, u32)> = FxHashMap::default();
     for (t, triangle) in (0..).zip(&mesh.triangles) {
         for i in 0..3 {
             let [a, b, c] = [i, i + 1, i + 2].inline_map(|k: usize| triangle[k % 3]);

@@ -1,7 +1,7 @@
 //! New elements in a part of a body: its worst elements and some rings around them are meshed again, and all others keep
 //! their nodes. The part has the nodes of its edges to the other elements.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::improvement::quality;
 use super::mesher::{OutlineRules, new_mesh};
@@ -50,7 +50,7 @@ struct Adjacency<'a> {
     mesh: &'a BodyMesh,
     around: Vec<Vec<u32>>,
     /// Element on the left of each directed side.
-    of_side: HashMap<[u32; 2], u32>,
+    of_side: FxHashMap<[u32; 2], u32>,
 }
 
 /// A side between the patch, on its left, and another element.

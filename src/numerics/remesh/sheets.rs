@@ -3,11 +3,12 @@
 
 use super::BodyMesh;
 use super::outline::{BoundaryEdge, boundary_edges};
+use crate::kernel::box_grid::BoxGrid;
 use crate::kernel::disjoint_sets::DisjointSets;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::kernel::shape::{distance, twice_area};
-use crate::kernel::sorted_boxes::{SortedBoxes, bounding_box};
+use crate::kernel::sorted_boxes::bounding_box;
 
 /// Smallest length of a sheet along the outline, in units of the wanted edge: tips of wedges are no sheets.
 const SHORTEST: f64 = 1.0;
@@ -55,8 +56,7 @@ fn thin_edges(mesh: &BodyMesh, fraction: f64) -> Vec<BoundaryEdge> {
     let on_axis = |edge: &BoundaryEdge| edge.ends.iter().all(|n| place(*n)[0] <= 0.0);
     let edges: Vec<BoundaryEdge> = boundary_edges(&mesh.quads).into_iter().filter(|edge| !on_axis(edge)).collect();
     let ends: Vec<[[f64; 2]; 2]> = edges.iter().map(|edge| edge.ends.inline_map(place)).collect();
-    let mut boxes = SortedBoxes::with_capacity(edges.len());
-    boxes.sort(ends.iter().map(|ends| bounding_box(*ends)).zip(0..));
+    let boxes = BoxGrid::new(ends.iter().map(|ends| bounding_box(*ends)).zip(0..));
     let is_thin = |at: usize| {
         let reach = fraction * mesh.sizes[edges[at].side.0 as usize];
         let (from, inward) = ray(ends[at]);

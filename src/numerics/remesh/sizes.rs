@@ -4,9 +4,9 @@
 use super::BodyMesh;
 use super::outline::{BoundaryEdge, cosine_between, is_corner, loops};
 use super::transfer::{fitted_gradient, neighbours};
+use crate::kernel::box_grid::BoxGrid;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{distance, elements_around, middle, twice_area};
-use crate::kernel::sorted_boxes::SortedBoxes;
 
 /// Largest change of the wanted edge per distance.
 const GRADING: f64 = 0.3;
@@ -125,15 +125,14 @@ pub(super) fn graded_sizes(mesh: &BodyMesh, wanted: &[f64], middles: &[[f64; 2]]
 pub(super) struct SizeField<'a> {
     sizes: &'a [f64],
     middles: &'a [[f64; 2]],
-    boxes: SortedBoxes,
+    boxes: BoxGrid,
     /// Distance within which the nearest element is searched first.
     reach: f64,
 }
 
 impl SizeField<'_> {
     pub(super) fn new<'a>(mesh: &'a BodyMesh, middles: &'a [[f64; 2]]) -> SizeField<'a> {
-        let mut boxes = SortedBoxes::with_capacity(middles.len());
-        boxes.sort(middles.iter().map(|middle| [*middle, *middle]).zip(0..));
+        let boxes = BoxGrid::new(middles.iter().map(|middle| [*middle, *middle]).zip(0..));
         let reach = mesh.sizes.iter().copied().fold(f64::INFINITY, f64::min);
         SizeField { sizes: &mesh.sizes, middles, boxes, reach }
     }

@@ -2,7 +2,7 @@
 //! three quadrilaterals and quadrilaterals into four, so that no triangle remains (Johnston, Sullivan and Kwasnik 1991,
 //! Int. J. Numer. Meth. Eng. 31, 67). Sides across thin parts of a body are not divided.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::BodyMesh;
 use super::improvement::quality;
@@ -36,8 +36,8 @@ pub(super) fn split(
 }
 
 /// Returns the points in the middle of the coarse edges of closed polygons.
-fn outline_middles(outlines: &[Vec<[f64; 2]>]) -> HashMap<[u32; 2], u32> {
-    let (mut middles, mut first) = (HashMap::new(), 0);
+fn outline_middles(outlines: &[Vec<[f64; 2]>]) -> FxHashMap<[u32; 2], u32> {
+    let (mut middles, mut first) = (FxHashMap::default(), 0);
     for points in outlines {
         let count = points.len() as u32;
         let middle = |i: u32| (sorted_pair([first + i, first + (i + 2) % count]), first + i + 1);
@@ -51,7 +51,7 @@ fn outline_middles(outlines: &[Vec<[f64; 2]>]) -> HashMap<[u32; 2], u32> {
 struct Splitting {
     mesh: BodyMesh,
     /// Points in the middle of divided sides.
-    middles: HashMap<[u32; 2], u32>,
+    middles: FxHashMap<[u32; 2], u32>,
     /// Number of points of the outline.
     on_outline: usize,
 }

@@ -3,9 +3,10 @@
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
+use crate::kernel::box_grid::BoxGrid;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{distance, share_between, twice_area};
-use crate::kernel::sorted_boxes::{SortedBoxes, bounding_box};
+use crate::kernel::sorted_boxes::bounding_box;
 
 /// Circumradius, in units of the wanted edge, above which a triangle is divided; that of an equilateral one is 0.577.
 const LARGE: f64 = 0.72;
@@ -36,21 +37,20 @@ const ROUNDING: f64 = 1.0 + 1e-9;
 /// Edges of closed polygons.
 struct Boundary {
     ends: Vec<[[f64; 2]; 2]>,
-    sorted: SortedBoxes,
+    boxes: BoxGrid,
 }
 
 impl Boundary {
     fn new(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Boundary {
         let ends: Vec<_> = edges.iter().map(|edge| edge.inline_map(|n| points[n as usize])).collect();
-        let mut sorted = SortedBoxes::default();
-        sorted.sort(ends.iter().map(|edge| bounding_box(*edge)).zip(0..));
-        Boundary { ends, sorted }
+        let boxes = BoxGrid::new(ends.iter().map(|edge| bounding_box(*edge)).zip(0..));
+        Boundary { ends, boxes }
     }
 
     /// Returns whether a point is inside, by the even-odd rule along r.
     fn encloses(&self, p: [f64; 2]) -> bool {
         let mut crossings = 0;
-        self.sorted.near([[f64::NEG_INFINITY, p[1]], [f64::INFINITY, p[1]]], 0.0, |edge| {
+        self.boxes.near([[f64::NEG_INFINITY, p[1]], [f64::INFINITY, p[1]]], 0.0, |edge| {
             let [a, b] = self.ends[edge as usize];
             let crosses = (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
             crossings += usize::from(crosses);
@@ -60,7 +60,7 @@ impl Boundary {
 
     fn is_near(&self, p: [f64; 2], reach: f64) -> bool {
         let mut is_near = false;
-        self.sorted.near([p; 2], ROUNDING * reach, |edge| {
+        self.boxes.near([p; 2], ROUNDING * reach, |edge| {
             let [a, b] = self.ends[edge as usize];
             let share = share_between([a, b], p);
             is_near |= distance([0, 1].inline_map(|i: usize| a[i] + share * (b[i] - a[i])), p) < reach;
@@ -175,13 +175,12 @@ fn wanted_points(
         let by_place = a.centre[0].total_cmp(&b.centre[0]).then(a.centre[1].total_cmp(&b.centre[1]));
         b.relative_radius.total_cmp(&a.relative_radius).then(by_place)
     });
-    let mut sorted = SortedBoxes::default();
-    sorted.sort(points.iter().map(|p| [*p; 2]).zip(0..));
+    let boxes = BoxGrid::new(points.iter().map(|p| [*p; 2]).zip(0..));
     let mut added: Vec<[f64; 2]> = Vec::new();
     for PointCandidate { centre, length, .. } in candidates {
         let is_apart = |p: &[f64; 2]| distance(*p, centre) > APART * length;
         let mut is_free = true;
-        sorted.near([centre; 2], ROUNDING * APART * length, |n| is_free &= is_apart(&points[n as usize]));
+        boxes.near([centre; 2], ROUNDING * APART * length, |n| is_free &= is_apart(&points[n as usize]));
         if is_free
             && added.iter().all(is_apart)
             && polygon.encloses(centre)

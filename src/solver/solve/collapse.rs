@@ -131,6 +131,10 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
     }
     // Distortion control is refused on meshes that do not follow the material.
     let follows_material = run.plan.remesh.is_none() && run.state.adaptive.is_empty();
+    let mut remeshed = run.plan.remesh.iter().flat_map(|remesh| &remesh.bodies);
+    if remeshed.any(|body| body.group == group) && is_squashed(&run.state.elements) {
+        return "plastic flow has squashed it, and its body has no newer mesh (R317, or the limits of *REMESH)".into();
+    }
     let cards = [
         renewal.map(str::to_owned),
         (!erodes).then(|| format!("*EROSION{} deletes such elements", value("INCREMENT"))),

@@ -9,7 +9,7 @@ use crate::kernel::shape::smallest_sine;
 use crate::kernel::topology::ElementTopology;
 use crate::plan::{AutomaticMeshes, FirstMesh, Plan, RemeshedBody, State};
 use crate::remesh::MeshRevision;
-use crate::remesh::mesher::sharpest;
+use crate::remesh::mesher::{is_sharper, sharpest};
 use crate::state::archive::Persist;
 use crate::variables::Variable;
 
@@ -70,7 +70,7 @@ impl MeshQuality {
             }
             is_limited_by(elements, body.group) && stable < body.increment * self.increment
         };
-        is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < self.limit
+        is_short || is_sharper(&body.quads, |n| nodes[body.nodes[n as usize]].place(), self.limit)
     }
 
     /// Returns whether a body that no card names has collapsed on the mesh of the deck.

@@ -1,7 +1,7 @@
 //! State of a run at the first instant of a new mesh, taken from the run with the old mesh: the motion of bodies, element
 //! variables, masses, temperatures, deleted elements, and the memory of constraints.
 
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::run_state::RunState;
 use crate::constraint::contact::ContactConstraint;
@@ -285,7 +285,7 @@ impl MeshChange<'_> {
     fn move_velocities(&mut self, transfer: &MeshTransfer<'_>, old_masses: Vec<[f64; 4]>, masses: Vec<[f64; 4]>) {
         let velocities = self.old_body.nodes.iter().map(|n| self.old.dofs.nodes.velocity_now(*n)).collect();
         let motion = BodyMotion { masses: old_masses, velocities };
-        let prescribed: HashSet<(usize, usize)> = prescribed_motions(&self.state.constraints).collect();
+        let prescribed: FxHashSet<(usize, usize)> = prescribed_motions(&self.state.constraints).collect();
         let is_prescribed = |n: &usize| [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
         let fixed: Vec<[bool; 2]> = self.body.nodes.iter().map(is_prescribed).collect();
         let revision = self.mesh.revision;
@@ -306,10 +306,10 @@ impl MeshChange<'_> {
     }
 
     /// Copies the motion and the masses of nodes whose elements have not changed. Returns these nodes.
-    fn copy_unchanged_nodes(&mut self) -> HashSet<usize> {
+    fn copy_unchanged_nodes(&mut self) -> FxHashSet<usize> {
         let revision = self.mesh.revision;
         let (unchanged, renewed) = revision.mesh.quads.split_at(revision.unchanged);
-        let mut nodes: HashSet<u32> = unchanged.iter().flatten().copied().collect();
+        let mut nodes: FxHashSet<u32> = unchanged.iter().flatten().copied().collect();
         renewed.iter().flatten().for_each(|n| _ = nodes.remove(n));
         let (of_new, of_old) = (&mut self.state.dofs.nodes, &self.old.dofs.nodes);
         let copy = |i: u32| {
@@ -350,7 +350,7 @@ impl MeshChange<'_> {
             return;
         }
         let moved = places.iter().enumerate().filter_map(|(n, place)| Some((place.as_ref()?.node()? as u32, n as u32)));
-        let new_nodes: HashMap<u32, u32> = moved.collect();
+        let new_nodes: FxHashMap<u32, u32> = moved.collect();
         let State { elements, loads, constraints, .. } = &mut *self.state;
         elements.follow_deletions(&self.old.elements, self.body.group, |n| new_nodes.get(&n).copied());
         let deleted = elements.deletions.boundaries();

@@ -159,12 +159,12 @@ impl<'a> Checkpointer<'a> {
         }
         let stores = self.holds && (due || now.increment >= self.next_held);
         if stores {
-            self.store(at, sink);
+            self.store(at, sink, if due { SavedFor::Restart } else { SavedFor::Rewind });
             self.next_held = now.increment + HELD_EVERY;
         }
         if due {
             if !stores || self.file.is_some() {
-                at.write(&mut self.state);
+                at.write(&mut self.state, SavedFor::Restart);
             }
             sink.keep(&self.state, &now).map_err(output_failure)?;
             if self.file.is_some() {
@@ -183,7 +183,7 @@ impl<'a> Checkpointer<'a> {
     }
 
     /// Stores the state for a return to this instant: a large one in a file of the sink, if there is one.
-    fn store(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) {
+    fn store(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink, purpose: SavedFor) {
         if self.file.is_none() && at.length() > MOST_IN_MEMORY {
             self.file = sink.unnamed_file().map(BufWriter::new);
         }
@@ -191,7 +191,7 @@ impl<'a> Checkpointer<'a> {
             // A later state may be shorter.
             Some(file) => file.rewind().is_ok() && file.get_ref().set_len(0).is_ok() && at.write_to(file).is_ok(),
             None => {
-                at.write(&mut self.state);
+                at.write(&mut self.state, purpose);
                 true
             }
         };
@@ -281,6 +281,15 @@ struct CheckpointHead {
     revisions: Vec<MeshRevision>,
 }
 
+/// What a state is saved for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum SavedFor {
+    /// Another run, which needs all new meshes.
+    Restart,
+    /// A return of this run to an earlier instant of its mesh.
+    Rewind,
+}
+
 impl CheckpointHead {
     /// Reads the header of a saved state. Returns also the archive of the rest.
     fn read(state: &[u8]) -> (CheckpointHead, StateArchive<'_>) {
@@ -303,21 +312,21 @@ pub(super) fn saved_revisions(state: &[u8]) -> Vec<MeshRevision> {
 impl RunCursor<'_, '_> {
     /// Replaces bytes by header and state. The memory is reserved first, so that a buffer that grows does not take twice
     /// as much.
-    fn write(&mut self, bytes: &mut Vec<u8>) {
+    fn write(&mut self, bytes: &mut Vec<u8>, purpose: SavedFor) {
         let mut routines =
             self.run.current.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
         let mut length = 0;
-        self.visit_with_head(&mut routines, &mut StateArchive::counter(&mut length));
+        self.visit_with_head((&mut routines, purpose), &mut StateArchive::counter(&mut length));
         bytes.clear();
         bytes.reserve_exact(length);
-        self.visit_with_head(&mut routines, &mut StateArchive::writer(bytes));
+        self.visit_with_head((&mut routines, purpose), &mut StateArchive::writer(bytes));
         self.run.report.outcome.lost = routines.lost;
     }
 
-    /// Writes header and state to a file. There is no memory of user subroutines.
+    /// Writes header and state to the file of stored states. There is no memory of user subroutines.
     fn write_to(&mut self, file: &mut BufWriter<File>) -> Result<(), UnfitState> {
         let mut archive = StateArchive::stream(file);
-        self.visit_with_head(&mut SavedMemory::default(), &mut archive);
+        self.visit_with_head((&mut SavedMemory::default(), SavedFor::Rewind), &mut archive);
         archive.finish()
     }
 
@@ -328,12 +337,17 @@ impl RunCursor<'_, '_> {
         length
     }
 
-    fn visit_with_head(&mut self, routines: &mut SavedMemory, archive: &mut StateArchive<'_>) {
-        let (step, revisions) =
-            (self.run.current.now.step as usize - 1, std::mem::take(&mut self.run.remesh.revisions));
-        let mut head = CheckpointHead { step, routines: std::mem::take(routines), revisions };
+    fn visit_with_head(&mut self, (routines, purpose): (&mut SavedMemory, SavedFor), archive: &mut StateArchive<'_>) {
+        let step = self.run.current.now.step as usize - 1;
+        let mut head = CheckpointHead { step, routines: std::mem::take(routines), ..CheckpointHead::default() };
+        if purpose == SavedFor::Restart {
+            head.revisions = std::mem::take(&mut self.run.remesh.revisions);
+        }
         head.persist(archive);
-        (*routines, self.run.remesh.revisions) = (head.routines, head.revisions);
+        *routines = head.routines;
+        if purpose == SavedFor::Restart {
+            self.run.remesh.revisions = head.revisions;
+        }
         self.visit(archive);
     }
 

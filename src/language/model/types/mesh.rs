@@ -1,6 +1,6 @@
 //! Nodes, elements, sets and element-based surfaces.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::deck::Span;
 use crate::kernel::lists::{heap_bytes, sorted_pair};
@@ -63,7 +63,8 @@ impl Mesh {
             (0..count).map(move |i| (i, [nodes[i], nodes[(i + 1) % count]])).filter(|(_, [a, b])| a != b)
         };
         let element_faces = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
-        let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
+        let mut shared: FxHashMap<[usize; 2], usize> = FxHashMap::default();
+        shared.reserve(2 * self.elements.len());
         for (.., edge) in element_faces() {
             *shared.entry(sorted_pair(edge)).or_default() += 1;
         }

@@ -1,8 +1,9 @@
 //! Overlaps of bodies: a warning for overlaps at the start of bodies without contact, and a check of all bodies during
 //! the run.
 
-use std::collections::HashMap;
 use std::rc::Rc;
+
+use rustc_hash::FxHashMap;
 
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::PointCarrier;
@@ -132,7 +133,7 @@ fn contacts_of(model: &Model, links: &Links, pairs: &Pairs, parts: &[ConnectedPa
 
 /// Returns the pairs of tied parts, without a part that is tied to itself; `part_of` is the part of each element.
 fn tied_parts(model: &Model, links: &Links, part_of: &[Option<u32>]) -> Vec<[u32; 2]> {
-    let tied: HashMap<usize, usize> = tied_nodes(&links.surface_ties).map(|tied| (tied.node, tied.element)).collect();
+    let tied: FxHashMap<usize, usize> = tied_nodes(&links.surface_ties).map(|tied| (tied.node, tied.element)).collect();
     if tied.is_empty() {
         return Vec::new();
     }
@@ -153,7 +154,7 @@ fn body_outline(scene: Scene, piece: &ConnectedPart, outside: &[(usize, ElementS
             let groups = piece.elements.iter().filter_map(|e| scene.places.elements.get(e));
             groups.map(|place| &state.elements.groups[place.0]).all(|group| !group.properties().deletable)
         });
-    let (mut points, mut known, mut faces) = (Vec::new(), HashMap::new(), Vec::new());
+    let (mut points, mut known, mut faces) = (Vec::new(), FxHashMap::default(), Vec::new());
     let mut add = |node: usize| {
         *known.entry(node).or_insert_with(|| {
             points.push(match scene.places.free_node(node) {

@@ -2,7 +2,9 @@
 //! and the penetration depth up to which a facet is in contact.
 
 use std::cell::OnceCell;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
@@ -27,7 +29,7 @@ const NEAR_END: f64 = 0.05;
 pub struct ContactGeometry {
     pub points: Vec<SurfacePoint>,
     pub places: Vec<[f64; 2]>,
-    pub point_of_node: HashMap<usize, u32>,
+    pub point_of_node: FxHashMap<usize, u32>,
     pub curves: Vec<FacetCurve>,
     /// Element and nodes of each exposed facet, by curve.
     pub facet_elements: Vec<Vec<(usize, [usize; 2])>>,
@@ -36,7 +38,7 @@ pub struct ContactGeometry {
     /// Maximum and mean facet length of each curve, and whether it has deformable nodes.
     pub lengths: Vec<[f64; 2]>,
     pub deforms: Vec<bool>,
-    by_name: HashMap<(String, bool), usize>,
+    by_name: FxHashMap<(String, bool), usize>,
     pub analyticals: Vec<AnalyticalSurface>,
     /// Fronts of the analytical surfaces.
     pub fronts: Vec<AnalyticalFront>,
@@ -86,7 +88,7 @@ type MeridianEdge = [[f64; 2]; 2];
 pub struct SolidOutline {
     edges: Vec<(MeridianEdge, usize)>,
     sorted: SortedBoxes,
-    piece_of: HashMap<usize, usize>,
+    piece_of: FxHashMap<usize, usize>,
 }
 
 impl SolidOutline {
@@ -221,7 +223,7 @@ fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, node
 /// front is deleted.
 fn hidden_facets(context: &CurveContext, geometry: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
     let mesh = &context.input.scene.model.mesh;
-    let exposed_elements: HashSet<usize> = facets.iter().map(|f| f.1).collect();
+    let exposed_elements: FxHashSet<usize> = facets.iter().map(|f| f.1).collect();
     let solids: Vec<usize> =
         context.input.scene.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
     for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| exposed_elements.contains(e))) {
@@ -229,7 +231,7 @@ fn hidden_facets(context: &CurveContext, geometry: &mut ContactGeometry, facets:
             let nodes = &mesh.elements[e].nodes;
             (0..nodes.len()).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]])
         };
-        let piece_edges: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
+        let piece_edges: FxHashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
         for &e in piece {
             for edge in edges(e).filter(|[a, b]| piece_edges.contains(&[*b, *a])) {
                 let points = edge.map(|node| match geometry.point_of_node.get(&node) {

@@ -1,10 +1,10 @@
 //! General contact as pairs of surfaces: exterior surfaces of the bodies, inclusions, exclusions and property
 //! assignments.
 
-use std::collections::HashSet;
 use std::rc::Rc;
 
 use indexmap::IndexSet;
+use rustc_hash::FxHashSet;
 
 use crate::deck::Span;
 use crate::kernel::lists::sorted_unique;
@@ -82,7 +82,7 @@ pub fn find_pairs(scene: Scene, report: &mut Report) -> Pairs {
 
 /// Lists analytical surfaces that no contact pair includes.
 fn note_unused_analytical_surfaces(model: &Model, pairs: &Pairs, report: &mut Report) {
-    let in_contact: HashSet<usize> = pairs
+    let in_contact: FxHashSet<usize> = pairs
         .by_step
         .iter()
         .flat_map(|of_step| of_step.iter().filter_map(|pair| Some(pair.analytical.as_ref()?.surface.index())))
@@ -248,7 +248,7 @@ fn outsides(scene: Scene) -> Vec<SideSelection> {
     let outside = exterior_faces_of(mesh, pieces.iter().map(Vec::as_slice));
     let mut surfaces: Vec<SideSelection> = Vec::new();
     let sets = SetsOfParts::new(scene.model, pieces.iter().map(Vec::as_slice));
-    let mut taken = HashSet::new();
+    let mut taken = FxHashSet::default();
     for (piece, solid) in pieces.into_iter().zip(outside) {
         let name = name_of_piece(scene.model, &piece, &sets, |name| taken.contains(name));
         taken.insert(name.clone());
@@ -389,7 +389,7 @@ fn split(surface: &PairedSurface, domain: &ContactDomain) -> (PairedSurface, Pai
         ContactDomain::All => (surface.clone(), none()),
         ContactDomain::Analytical(id) if *analytical == Some(*id) => (surface.clone(), none()),
         ContactDomain::Surface(within) if analytical.is_none() => {
-            let known: HashSet<ElementFace> = within.faces.iter().copied().collect();
+            let known: FxHashSet<ElementFace> = within.faces.iter().copied().collect();
             let (inside, outside) = sides.faces.iter().partition(|f| known.contains(*f));
             (part(&format!(".{}", within.name), inside), part(&format!(".NOT.{}", within.name), outside))
         }

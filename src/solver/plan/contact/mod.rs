@@ -9,7 +9,9 @@ pub mod penalty;
 pub mod walls;
 
 use std::cell::OnceCell;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+
+use rustc_hash::FxHashMap;
 
 use crate::constraint::Constraint;
 use crate::constraint::contact::{AdjustedGap, ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
@@ -108,7 +110,7 @@ pub fn contact_constraint(
     }
     contact = cohesion.add_to(contact);
     let gaps = contact.start(&places);
-    let nodes_of_points: HashMap<_, _> = point_of_node.into_iter().map(|(node, point)| (point, node)).collect();
+    let nodes_of_points: FxHashMap<_, _> = point_of_node.into_iter().map(|(node, point)| (point, node)).collect();
     contact = contact.with_node_numbers(|point| {
         let node = nodes_of_points.get(&point).map(|node| number_of_node(scene.model, *node));
         node.unwrap_or_default()
@@ -299,7 +301,7 @@ fn note_adjusted_gaps(
     model: &Model,
     contact: &SurfaceContact,
     adjusted: &[AdjustedGap],
-    nodes_of_points: &HashMap<u32, usize>,
+    nodes_of_points: &FxHashMap<u32, usize>,
     report: &mut Report,
 ) {
     let Some(clearance) = contact.clearance.map(|clearance| clearance.gap) else { return };

@@ -1,6 +1,6 @@
 //! Connected parts of a mesh.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::kernel::disjoint_sets::DisjointSets;
 use crate::model::{ElementSide, Mesh, Model};
@@ -13,7 +13,7 @@ pub fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
         let nodes = &mesh.elements[e].nodes;
         nodes[1..].iter().for_each(|&n| sets.unite(nodes[0], n));
     }
-    let mut by_root: HashMap<usize, usize> = HashMap::new();
+    let mut by_root: FxHashMap<usize, usize> = FxHashMap::default();
     let mut pieces: Vec<Vec<usize>> = Vec::new();
     for &e in elements {
         let key = sets.representative(mesh.elements[e].nodes[0]);
@@ -58,11 +58,11 @@ pub fn exterior_faces_of<'a>(
 }
 
 /// Element sets that contain the first element of a part, from the smallest to the largest, by that element.
-pub struct SetsOfParts<'a>(HashMap<usize, Vec<(&'a str, &'a [usize])>>);
+pub struct SetsOfParts<'a>(FxHashMap<usize, Vec<(&'a str, &'a [usize])>>);
 
 impl<'a> SetsOfParts<'a> {
     pub fn new<'p>(model: &'a Model, parts: impl Iterator<Item = &'p [usize]>) -> SetsOfParts<'a> {
-        let mut by_first: HashMap<usize, Vec<(&str, &[usize])>> = parts.map(|part| (part[0], Vec::new())).collect();
+        let mut by_first: FxHashMap<usize, Vec<(&str, &[usize])>> = parts.map(|part| (part[0], Vec::new())).collect();
         for (name, set) in &model.element_sets {
             for member in &set.members {
                 by_first.entry(*member).and_modify(|sets| sets.push((name, &set.members)));

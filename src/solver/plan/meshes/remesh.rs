@@ -1,6 +1,6 @@
 //! Bodies of the plan that are remeshed (`*REMESH`), and combinations that are not supported.
 
-use std::collections::HashSet;
+use rustc_hash::FxHashSet;
 
 use crate::deck::{Diagnostic, Diagnostics};
 use crate::kernel::lists::{Memory, sorted_unique};
@@ -187,7 +187,7 @@ pub(super) fn unsupported_remeshing(
         return Some((format!("the boundary of `{name}` touches itself in a node"), "separate the parts of the body"));
     };
     let used = |node: usize| body.nodes.binary_search(&node).ok();
-    let on_boundary: HashSet<u32> = boundaries.iter().flatten().map(|edge| edge.ends[0]).collect();
+    let on_boundary: FxHashSet<u32> = boundaries.iter().flatten().map(|edge| edge.ends[0]).collect();
     if kept_nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
         let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
         return Some((message, "request only U, V, A, COORD or NT, a statistic of a set, or a node on the boundary"));

@@ -1,6 +1,8 @@
 //! Surfaces of loads: element sides as facets of rigid bodies and faces of deformable bodies.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
+
+use rustc_hash::FxHashSet;
 
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
@@ -71,10 +73,10 @@ fn hidden_faces(scene: Scene, sides: &SideSelection) -> InteriorFaces {
         let sides = (1..=count).filter(move |_| deforms).map(ElementSide::Face);
         sides.filter_map(move |s| Some(mesh.side_nodes(element, s)?.map(|n| scene.places.nodes[&n])))
     };
-    let deformable_faces: HashSet<[usize; 2]> = scene.places.elements.keys().flat_map(|e| faces_of(e)).collect();
+    let deformable_faces: FxHashSet<[usize; 2]> = scene.places.elements.keys().flat_map(|e| faces_of(e)).collect();
     let free_faces = sides.free_face_elements.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
     // A face that is also given by its side is loaded from the start.
-    let named: HashSet<(usize, ElementSide)> = sides.faces.iter().copied().collect();
+    let named: FxHashSet<(usize, ElementSide)> = sides.faces.iter().copied().collect();
     let is_named = |element: usize, [a, b]: [usize; 2]| {
         let ends =
             |&s: &ElementSide| mesh.side_nodes(element, s).map(|e| e.map(|n| scene.places.nodes[&n])) == Some([a, b]);
