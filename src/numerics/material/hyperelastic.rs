@@ -216,6 +216,6 @@ impl<E: StrainEnergy> HyperelasticMaterial<E> {
 }
 
 /// Smallest wave modulus over the initial one: a softening rubber keeps a finite stable time increment.
-const LEAST: f64 = 1e-2;
+pub(super) const LEAST: f64 = 1e-2;
 
 carried_state!(DeformationState { gradient });
