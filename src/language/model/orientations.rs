@@ -9,6 +9,8 @@ use super::names::upper;
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Word};
 
+/// Field of the angle or the orientation of a layer on a data line of `COMPOSITE`.
+pub const ANGLE_FIELD: usize = 3;
 /// Smallest cosine between a local direction and the meridian of a shell at which it has a projection.
 const LEAST_PROJECTION: f64 = 1e-3;
 /// Numbers of the first data line: two points and the origin.
@@ -19,7 +21,7 @@ pub fn read_orientation(context: &mut Context<'_>, card: &Card) {
     let Some(name) = context.required(card, "NAME").map(|word| upper(&word.text)) else { return };
     let is_name = |word: &Word| upper(&word.text) == name;
     let uses = |section: &Card| {
-        let of_layers = section.lines.iter().filter_map(|line| line.field(super::shells::ANGLE_FIELD));
+        let of_layers = section.lines.iter().filter_map(|line| line.field(ANGLE_FIELD));
         section.value("ORIENTATION").into_iter().chain(of_layers).any(is_name)
     };
     let is_section = |section: &Card| matches!(section.keyword.name, "SHELL SECTION" | "SOLID SECTION");

@@ -344,8 +344,9 @@ pub(super) fn subroutine<const FLOWS: bool, const ENERGY: bool>() -> SubroutineM
         fields: 0,
         field_constants: None,
         length_constants: None,
+        // Fibres along the hoop: the material is isotropic in the (r, z) plane.
         energy: ENERGY.then(|| AnisotropicEnergy {
-            fibres: vec![[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]],
+            fibres: vec![[0.0, 0.0, 1.0]],
             built_in: Some(HolzapfelEnergy { c10: 0.5, d: 0.7, k1: 0.4, k2: 0.3, kappa: 0.1 }),
         }),
         flow: FLOWS.then_some(flow),

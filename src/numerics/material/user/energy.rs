@@ -24,7 +24,7 @@ pub struct AnisotropicEnergy {
 }
 
 /// Energy of Gasser, Ogden and Holzapfel 2006 (J. R. Soc. Interface 3, 15, doi:10.1098/rsif.2005.0073) with the volumetric part
-/// of ABAQUS (Analysis User's Guide, "Anisotropic hyperelastic behavior"). Fibres bear no compression.
+/// of ABAQUS (Analysis User's Guide, "Anisotropic hyperelastic behavior"). Fibres carry no compression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HolzapfelEnergy {
     /// C10, half the shear modulus of the matrix.

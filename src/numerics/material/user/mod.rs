@@ -8,8 +8,7 @@ pub mod flow;
 pub mod lengths;
 pub mod points;
 
-use super::hyperelastic::LEAST;
-use super::increment::{StrainIncrement, StressUpdate};
+use super::increment::{LEAST_MODULUS, StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn};
 use crate::kernel::moduli::ElasticModuli;
@@ -376,8 +375,8 @@ impl UserState {
             let [modulus, of_shear] = [self.moduli[0][l], self.moduli[1][l]];
             // Before the first increment the moduli are those of the initial configuration.
             let [modulus, of_shear] = if modulus.is_nan() { [bulk + known, shear] } else { [modulus, of_shear] };
-            update.bulk[l] = modulus.max(LEAST * (bulk + known)) - known;
-            update.shear[l] = of_shear.max(LEAST * shear);
+            update.bulk[l] = modulus.max(LEAST_MODULUS * (bulk + known)) - known;
+            update.shear[l] = of_shear.max(LEAST_MODULUS * shear);
         }
     }
 
