@@ -348,6 +348,11 @@ fn invalid_energies_are_reported() {
         let found = prepared.diagnostics.render(&prepared.deck.sources);
         assert!(prepared.diagnostics.has_errors() && found.contains(code) && found.contains(part), "{text}{found}");
     }
+    let text = deck(&cards("holzapfel", &FIBRES));
+    let read = revolve::deck::read_text("test.inp", &text, &[]);
+    let prepared = job::prepare_edited(read, &mut |model| model.sections[0].fibres.clear(), &Routines::none());
+    let found = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(found.contains("P041") && found.contains("3 directions of fibres, but its section has 0"), "{found}");
     struct Faulty(f64, f64);
     impl UserEnergy for Faulty {
         fn energy(&mut self, call: &EnergyCall<'_>, answer: &mut EnergyAnswer<'_>) -> Result<(), LoadFailure> {

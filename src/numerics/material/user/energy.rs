@@ -359,7 +359,7 @@ impl PointArguments {
         let n = self.count;
         for i in 0..n {
             let j = measure(self.stretch_of(i), &energy.fibres, &mut arguments.point);
-            if !(j > 0.0) {
+            if j.is_nan() || j <= 0.0 {
                 let reason = format!("its volume is {j:e} of the initial one");
                 return Err(LoadFailure { point: Some(i), reason });
             }

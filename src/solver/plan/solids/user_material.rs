@@ -83,7 +83,7 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
     };
     let description = UserMaterialData {
         name: material.name.clone(),
-        energy: strain_energy(section, material),
+        energy: strain_energy(section, material, report)?,
         properties,
         variables: count,
         delete,
@@ -115,14 +115,28 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
     Some(group)
 }
 
-/// Returns the strain energy of a material with the fibres of a section.
-fn strain_energy(section: &SolidSection, material: &MaterialDefinition) -> Option<AnisotropicEnergy> {
-    let AnisotropicEnergyCard { is_user, families } = material.user.energy?;
-    let built_in = match material.user.material.as_deref()? {
-        &[c10, d, k1, k2, kappa] if !is_user => Some(HolzapfelEnergy { c10, d, k1, k2, kappa }),
+/// Returns the strain energy of a material with the fibres of a section, if it has one. Missing constants or directions are an
+/// error.
+fn strain_energy(
+    section: &SolidSection,
+    material: &MaterialDefinition,
+    report: &mut Report,
+) -> Option<Option<AnisotropicEnergy>> {
+    let Some(AnisotropicEnergyCard { is_user, families }) = material.user.energy else { return Some(None) };
+    let built_in = match material.user.material.as_deref() {
+        _ if is_user => Some(None),
+        Some(&[c10, d, k1, k2, kappa]) => Some(Some(HolzapfelEnergy { c10, d, k1, k2, kappa })),
         _ => None,
     };
-    Some(AnisotropicEnergy { fibres: section.fibres.get(..families)?.to_vec(), built_in })
+    let Some((built_in, fibres)) = built_in.zip(section.fibres.get(..families)) else {
+        let message = format!(
+            "material `{}` needs {families} directions of fibres, but its section has {}, or it lacks constants",
+            material.name,
+            section.fibres.len()
+        );
+        return report.refuse(Diagnostic::error("P041", message).at(section.span, "these elements deform"));
+    };
+    Some(Some(AnisotropicEnergy { fibres: fibres.to_vec(), built_in }))
 }
 
 /// Creates the element group of a user material in Rust. A missing card or constants that the law refuses are
