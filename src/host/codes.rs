@@ -11,7 +11,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "U003" "user file does not compile" "The errors of the compiler follow, without its warnings. Both fixed and free form were tried."
     "U004" "wrong arguments" "The subroutine's arguments differ from those of the call in their number, or in the size of integers or reals. Reals must be double precision; `include 'vaba_param.inc'` declares them so."
     "U005" "shared library cannot be loaded" "Usually the library calls a function that is not defined. Revolve provides xplb_exit, xplb_abqerr, vgetjobname, vgetoutdir, vgetnumcpus, vgetrank, vgetinternal, vgetpartinfo, vgetvrm, vsprinc, vsprind, the sensor functions, the arrays of SMAAspUserSubroutines.hdr, mutexes, and MPI of one process; LAPACK is linked if it is installed. Functions that are called only by unused subroutines may be undefined."
-    "U006" "no known user subroutine" "The files define none of vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vufield, vfriction, vucharlength, vexternaldb."
+    "U006" "no known user subroutine" "The files define none of vdload, vuamp, vdisp, vumat, vuanisohyper_inv, vuhard, vusdfld, vufield, vfriction, vucharlength, vexternaldb."
     "U009" "user subroutine that is never called" "The files define a subroutine that this model never calls: the keyword that requests it is missing, or Revolve does not support the subroutine."
     "U010" "file included by another one" "Two files were given, and one includes the other. The included file is compiled once, as part of the other."
     "U007" "text past column 72" "In fixed form, text past column 72 is read as code, as by the ABAQUS compile command. Check that it is not a sequence number."

@@ -242,6 +242,10 @@ fn instances_do_not_repeat_parts_without_limit() {
     assert!(messages.contains("the instances repeat more lines of parts than the limit"), "{messages}");
 }
 
+/// A rectilinear grid, as PyVista saves it as text.
+const RECTILINEAR: &str = "# vtk DataFile Version 5.1\nvtk output\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 2 2 1\n\
+    X_COORDINATES 2 double\n0 1 \nY_COORDINATES 2 double\n0 1 \nZ_COORDINATES 1 double\n0 \n";
+
 #[test]
 fn unsupported_files_name_the_format_to_save() {
     for (name, text, expected) in [
@@ -250,6 +254,14 @@ fn unsupported_files_name_the_format_to_save() {
         ("c.msh", GMSH2.replace("2.2 0", "4.1 1"), "Mesh.Binary = 0"),
         ("d.med", String::new(), "the format MED is not supported"),
         ("e.unv", String::new(), "gmsh FILE -save"),
+        ("e.cgns", String::new(), "the format CGNS is not supported"),
+        ("e.key", String::new(), "the format LS-DYNA is not supported"),
+        ("e.vtk", RECTILINEAR.to_owned(), "cast_to_unstructured_grid"),
+        (
+            "e.vtr",
+            "<VTKFile type=\"RectilinearGrid\" version=\"1.0\">\n</VTKFile>\n".to_owned(),
+            "cast_to_unstructured_grid",
+        ),
         ("f.inp", words("T3D2", "C3D8", "CPS3"), "C3D8 is three-dimensional"),
         ("g.vtk", LEGACY.replace("3\n9\n5\n", "3\n23\n5\n"), "quadrilateral of second order"),
     ] {

@@ -20,10 +20,10 @@ use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job::{self, PreparedJob};
 use revolve::solve;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, EosLaw, EosResponse, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer,
-    HardeningCall, LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
-    Routines, UserAmplitude, UserFields, UserFriction, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
-    UserNodalFields,
+    AmplitudeAnswer, AmplitudeCall, EnergyAnswer, EnergyCall, EosLaw, EosResponse, FieldAnswer, FieldCall,
+    FrictionCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall,
+    MotionCall, NodalFieldCall, Routines, UserAmplitude, UserEnergy, UserFields, UserFriction, UserHardening,
+    UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
 };
 
 /// Returns every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
@@ -119,6 +119,19 @@ impl UserFriction for TestSubroutines {
     }
 }
 
+/// Neo-Hooke with the constants C10 and bulk modulus.
+impl UserEnergy for TestSubroutines {
+    fn energy(&mut self, call: &EnergyCall<'_>, answer: &mut EnergyAnswer<'_>) -> Result<(), LoadFailure> {
+        let n = call.count;
+        answer.first[..n].fill(call.properties[0]);
+        answer.second[5 * n..6 * n].fill(call.properties[1]);
+        for point in 0..n {
+            answer.first[2 * n + point] = call.properties[1] * (call.invariants[2 * n + point] - 1.0);
+        }
+        Ok(())
+    }
+}
+
 /// Sets variables to half of their number.
 impl UserNodalFields for TestSubroutines {
     fn nodal_fields(&mut self, call: &NodalFieldCall<'_>, values: &mut [f64]) -> Result<(), LoadFailure> {
@@ -145,7 +158,7 @@ fn test_subroutines() -> Routines {
         .with_material(TestSubroutines)
         .with_eos("METAL", TestSubroutines);
     let routines = routines.with_hardening(TestSubroutines).with_fields(TestSubroutines).with_lengths(TestSubroutines);
-    routines.with_nodal_fields(TestSubroutines).with_friction(TestSubroutines)
+    routines.with_nodal_fields(TestSubroutines).with_friction(TestSubroutines).with_energy(TestSubroutines)
 }
 
 /// Prepares a deck in a folder.

@@ -93,6 +93,32 @@ fn a_local_mesh_reaches_the_target_at_a_lower_cost() {
     assert_eq!(again["quantities"][quantity].as_f64(), Some(value));
 }
 
+/// The map of a body with an adaptive mesh: no companion run fails, the changes add up to that of uniform refinement, and the
+/// region below the indenter has the largest share.
+#[test]
+fn an_adaptive_mesh_has_shares_of_all_regions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = project("input/indentation.inp").display().to_string();
+    let out = folder.path().join("out").display().to_string();
+    let setting = ["--set", "n=10", "--set", "depth=1.5e-3", "--quantity", "mean(RF2@SPHERE, 1.e-5, 2.5e-5)"];
+    let options = ["--repeat", "1", "--jitter", "0", "--out", &out];
+    let ran = revolve(&[&["study", &deck, "--map"], &setting[..], &options].concat());
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let path = format!("{out}/indentation_map.json");
+    let map: Value = serde_json::from_str(&fs::read_to_string(&path).expect("a map")).expect("JSON");
+    let shares = numbers(&map, "share");
+    let number = |key: &str| map[key].as_f64().expect("a number");
+    let increment = number("increment") / number("factor");
+    for key in ["forward", "backward"] {
+        let sum: f64 = numbers(&map, key).iter().sum::<f64>() + increment;
+        assert!((sum / number("uniform_change") - 1.0).abs() < 1e-9, "{key}: {sum:e}");
+    }
+    let largest = (0..shares.len()).max_by(|a, b| shares[*a].abs().total_cmp(&shares[*b].abs())).expect("regions");
+    let [low, high] = [0, 1].map(|end| map["regions"][largest]["bounds"][end].clone());
+    println!("{shares:?}: largest {low} {high}");
+    assert!(shares.len() >= 8 && low[0] == 0.0 && high[1] == 0.0, "{low} {high}");
+}
+
 /// Unknown regions, files that are no map, and studies without a series are refused with the reason.
 #[test]
 fn invalid_requests_are_refused() {

@@ -2,8 +2,10 @@
 //!
 //! Goal: all commands and threads have the same stack, and an overflow or a write past an array is named.
 
+use std::io::Read as _;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 use super::subroutines::{UserFolder, fortran, message_text};
 use crate::common::project;
@@ -21,11 +23,16 @@ fn run(user_dir: &UserFolder, text: &str, more: &[&str]) -> Output {
     user_dir.run(&project(DECK), &[&user_dir.write("law.f90", text)], more)
 }
 
-fn sweep(user_dir: &UserFolder, file: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
+/// Adds the arguments of a sweep of two shots on two threads.
+fn add_sweep<'c>(command: &'c mut Command, user_dir: &UserFolder, file: &Path) -> &'c mut Command {
     command.args(["sweep", "--set", "speed=100,227", "--quantity", "final(U2@TIP)", "--threads", "2"]);
     command.arg("--user").arg(file).arg("--out").arg(user_dir.path("out")).arg(project(DECK));
-    command.env("XDG_CACHE_HOME", user_dir.path("cache")).output().expect("the program runs")
+    command.env("XDG_CACHE_HOME", user_dir.path("cache"))
+}
+
+fn sweep(user_dir: &UserFolder, file: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
+    add_sweep(&mut command, user_dir, file).output().expect("the program runs")
 }
 
 /// A call that uses a local array of so many numbers; `-frecursive` places it on the stack.
@@ -53,6 +60,29 @@ fn large_local_arrays_run_in_all_commands() {
     }
     let output = sweep(&user_dir, &user_dir.path("law.f90"));
     assert!(output.status.success(), "{}", message_text(&output));
+}
+
+/// Two threads overflow while nothing reads standard error, a full pipe: the message of the first one is complete.
+#[test]
+fn threads_that_overflow_together_are_reported() {
+    if !fortran() {
+        return;
+    }
+    let user_dir = UserFolder::new();
+    let file = user_dir.write("law.f90", &with_array(20_000_000, ""));
+    let mut command = Command::new("sh");
+    command.args(["-c", "head -c 65536 /dev/zero >&2; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_revolve")]);
+    let mut child = add_sweep(&mut command, &user_dir, &file)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program runs");
+    std::thread::sleep(Duration::from_secs(2));
+    let mut message = String::new();
+    child.stderr.take().expect("a pipe").read_to_string(&mut message).expect("text");
+    let status = child.wait().expect("a status");
+    let message = message.trim_start_matches('\0');
+    assert!(status.code() == Some(1) && message.contains("64 MB of its stack"), "{status}: {message}");
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod corotational;
 mod created_energy;
 mod deformable;
 mod examples;
+mod fibres;
 mod fields;
 mod foundation;
 mod friction;

@@ -86,7 +86,7 @@ pub struct AlreadyPrinted;
 /// Options for files of user subroutines.
 #[derive(Args)]
 pub struct UserFiles {
-    /// User subroutines (VDLOAD, VUAMP, VDISP, VUMAT, VUHARD, VUSDFLD, VUFIELD, VFRICTION, VUCHARLENGTH, VEXTERNALDB): a Fortran or C
+    /// User subroutines (VDLOAD, VUAMP, VDISP, VUMAT, VUANISOHYPER_INV, VUHARD, VUSDFLD, VUFIELD, VFRICTION, VUCHARLENGTH, VEXTERNALDB): a Fortran or C
     /// file or a shared library; can be repeated.
     #[arg(short = 'u', long = "user", value_name = "FILE")]
     pub files: Vec<PathBuf>,

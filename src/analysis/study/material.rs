@@ -135,6 +135,9 @@ pub fn obstacle(material: &MaterialDefinition) -> Option<&'static str> {
         _ if material.is_explosive() => Some("an explosive (*EOS, TYPE=JWL) has no strength"),
         (Some(_), None) => Some("a fluid (*EOS without *ELASTIC, TYPE=SHEAR) has no strength"),
         (Some(_), Some(_)) => None,
+        _ if material.user.energy.is_some_and(|energy| energy.families > 0) => {
+            Some("it has fibres, and its strength depends on the direction (*ANISOTROPIC HYPERELASTIC)")
+        }
         _ if material.elastic.is_some()
             || material.hyperelastic.is_some()
             || material.has_strength_law()

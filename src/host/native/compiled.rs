@@ -13,10 +13,10 @@ use super::host::{self, MessageLevel};
 use super::host_routines::ended;
 use super::subroutines::{self, AmplitudeArrays, ArgumentKind, DOFS, FrictionArrays, MaterialArrays, NAME, interface};
 use super::{
-    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer,
-    HardeningCall, LengthCall, LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall,
-    NodalFieldCall, RunAction, UserAmplitude, UserEvents, UserFields, UserFriction, UserHardening, UserLengths,
-    UserLoad, UserMaterial, UserMotion, UserNodalFields, crash, guard,
+    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, EnergyAnswer, EnergyCall, FieldAnswer, FieldCall, FrictionCall,
+    HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer,
+    MaterialCall, MotionCall, NodalFieldCall, RunAction, UserAmplitude, UserEnergy, UserEvents, UserFields,
+    UserFriction, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields, crash, guard,
 };
 use revolve_numerics::state::Instant;
 
@@ -185,6 +185,16 @@ impl UserMaterial for CompiledRoutine<subroutines::Vumat, MaterialArrays> {
         self.enter(&context, call.name, |function, name, arrays| {
             // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vumat(function, call, name, arrays, answer) }
+        })
+    }
+}
+
+impl UserEnergy for CompiledRoutine<subroutines::VuanisohyperInv, ()> {
+    fn energy(&mut self, call: &EnergyCall<'_>, answer: &mut EnergyAnswer<'_>) -> Result<(), LoadFailure> {
+        let context = ActiveCall::new("vuanisohyper_inv", call.name, call.now).at(call.elements);
+        self.enter(&context, call.name, |function, name, ()| {
+            // SAFETY: each array has the length given by the counts.
+            unsafe { subroutines::vuanisohyper_inv(function, call, name, answer) }
         })
     }
 }

@@ -3,7 +3,7 @@
 
 use std::ffi::c_int;
 use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 use super::call::report_failure;
 use super::{guard, stack};
@@ -21,7 +21,7 @@ pub fn watch() {
             for signal in [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT] {
                 let mut action: libc::sigaction = std::mem::zeroed();
                 action.sa_sigaction = on_signal as *const () as usize;
-                action.sa_flags = libc::SA_ONSTACK | libc::SA_RESETHAND | libc::SA_NODEFER | libc::SA_SIGINFO;
+                action.sa_flags = libc::SA_ONSTACK | libc::SA_NODEFER | libc::SA_SIGINFO;
                 libc::sigaction(signal, &action, std::ptr::null_mut());
             }
         }
@@ -47,6 +47,30 @@ stateNew(nblock,nstatev), not stateNew(nblock,*)\n";
 /// Whether a subroutine may have damaged memory, so that a later signal is attributed to it.
 static HURT: AtomicBool = AtomicBool::new(false);
 
+/// Number of the thread whose signal is reported; 0 before the first signal.
+static REPORTING: AtomicI32 = AtomicI32::new(0);
+
+/// Milliseconds for the report of another thread.
+const REPORT: u32 = 5000;
+
+/// Makes this thread the one whose signal is reported. Of threads that crash together, the first one reports and ends the process,
+/// and the others wait for it. A second crash of the first thread, in its report, ends the process: its memory is damaged.
+fn begin_report() {
+    // SAFETY: system calls that are safe in a signal handler.
+    unsafe {
+        let own = libc::gettid();
+        let Err(first) = REPORTING.compare_exchange(0, own, Ordering::SeqCst, Ordering::SeqCst) else { return };
+        if first == own {
+            libc::write(2, DAMAGED.as_ptr().cast(), DAMAGED.len());
+        } else {
+            (0..REPORT).for_each(|_| {
+                libc::usleep(1000);
+            });
+        }
+        guard::end(1)
+    }
+}
+
 /// Exits after a user subroutine halted the run, without destructors of Rust: the subroutine may have damaged memory that
 /// they would use. Exit handlers of its libraries, which close its files, run; a crash of one ends the process silently.
 pub fn leave(status: u8) -> ! {
@@ -65,6 +89,7 @@ extern "C" fn at_exit() {
 }
 
 extern "C" fn on_signal(signal: c_int, info: *mut libc::siginfo_t, context: *mut libc::ucontext_t) {
+    begin_report();
     let what = match signal {
         // SAFETY: the system passes both.
         libc::SIGSEGV | libc::SIGBUS if unsafe { stack::has_overflowed(&*info, &*context) } => stack::OVERFLOW,
@@ -73,7 +98,7 @@ extern "C" fn on_signal(signal: c_int, info: *mut libc::siginfo_t, context: *mut
         libc::SIGABRT => "aborted",
         _ => "executed an illegal instruction",
     };
-    // SAFETY: both calls are safe in a signal handler; the default action is active again.
+    // SAFETY: all calls are safe in a signal handler.
     unsafe {
         if report_failure(what) || HURT.load(Ordering::Relaxed) {
             guard::end(1);
@@ -82,6 +107,7 @@ extern "C" fn on_signal(signal: c_int, info: *mut libc::siginfo_t, context: *mut
             libc::write(2, DAMAGED.as_ptr().cast(), DAMAGED.len());
             guard::end(1);
         }
+        libc::signal(signal, libc::SIG_DFL);
         libc::raise(signal);
     }
 }

@@ -10,8 +10,8 @@ use super::compile::SharedLibrary;
 use super::compiled::{CompiledRoutine, MaterialAxes, RestartFollows, WatchInvalid};
 use super::memory::{LibraryMemory, RoutineMemory, bases};
 use super::subroutines::{
-    FrictionArrays, MaterialArrays, Vdisp, Vdload, Vexternaldb, Vfriction, Vuamp, Vucharlength, Vufield, Vuhard, Vumat,
-    Vusdfld,
+    FrictionArrays, MaterialArrays, Vdisp, Vdload, Vexternaldb, Vfriction, Vuamp, VuanisohyperInv, Vucharlength,
+    Vufield, Vuhard, Vumat, Vusdfld,
 };
 use super::{PersistentMemory, ROUTINES, Routines, UncallableRoutine, crash, guard, host};
 use revolve_diagnostics::whole::ScratchFolder;
@@ -53,6 +53,7 @@ pub(super) fn open(
         "vuamp": Vuamp, () => with_amplitude;
         "vdisp": Vdisp, () => with_motion;
         "vumat": Vumat, MaterialArrays::default() => with_material;
+        "vuanisohyper_inv": VuanisohyperInv, () => with_energy;
         "vuhard": Vuhard, () => with_hardening;
         "vusdfld": Vusdfld, MaterialAxes::default() => with_fields;
         "vufield": Vufield, () => with_nodal_fields;
@@ -97,7 +98,6 @@ fn subroutines(file: &Path) -> Vec<String> {
 
 /// ABAQUS subroutines that are not supported; files that define one get a note.
 const UNSUPPORTED: &[&str] = &[
-    "vuanisohyper_inv",
     "vuanisohyper_strain",
     "vuel",
     "vuinter",

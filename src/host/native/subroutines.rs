@@ -5,8 +5,8 @@
 use std::ffi::c_char;
 
 use super::{
-    AmplitudeCall, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer, HardeningCall, LengthCall, LoadPoints,
-    MAX_BLOCK, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
+    AmplitudeCall, EnergyAnswer, EnergyCall, FieldAnswer, FieldCall, FrictionCall, HardeningAnswer, HardeningCall,
+    LengthCall, LoadPoints, MAX_BLOCK, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
 };
 
 /// Kind of an argument, and whether the subroutine writes a result there.
@@ -100,8 +100,7 @@ fn int(count: usize) -> i32 {
 }
 
 // ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
-// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016), "VUFIELD" (2024),
-// "VFRICTION" (2017).
+// "VEXTERNALDB" (6.14), "VUCHARLENGTH", "VUANISOHYPER_INV" (2016), "VUFIELD" (2024), "VFRICTION" (2017).
 subroutines! {
     /// Subroutine VDLOAD, which returns the pressures of a load.
     vdload: Vdload(points: &LoadPoints<'_>, name: *const c_char, pressure: &mut [f64]) [NAME] {
@@ -227,6 +226,32 @@ subroutines! {
         yield: RealResult = answer.stress.as_mut_ptr(),
         dyieldDtemp: RealResult = answer.by_temperature.as_mut_ptr(),
         dyieldDeqps: RealResult = answer.slopes.as_mut_ptr(),
+        stateNew: RealResult = answer.state.as_mut_ptr(),
+    }
+    /// Subroutine VUANISOHYPER_INV, which returns derivatives of a strain energy.
+    vuanisohyper_inv: VuanisohyperInv(call: &EnergyCall<'_>, name: *const c_char, answer: &mut EnergyAnswer<'_>) [NAME] {
+        nblock: Integer = &int(call.count),
+        nFiber: Integer = &int(call.families),
+        nInv: Integer = &int(call.invariants.len() / call.count),
+        jElem: Integer = call.elements.as_ptr(),
+        kIntPt: Integer = &int(call.integration_point),
+        kLayer: Integer = &1,
+        kSecPt: Integer = &1,
+        cmname: Character = name,
+        nstatev: Integer = &int(call.variables),
+        nfieldv: Integer = &int(call.fields),
+        nprops: Integer = &int(call.properties.len()),
+        props: Real = call.properties.as_ptr(),
+        tempOld: Real = call.temperature[0].as_ptr(),
+        tempNew: Real = call.temperature[1].as_ptr(),
+        fieldOld: Real = call.field[0].as_ptr(),
+        fieldNew: Real = call.field[1].as_ptr(),
+        stateOld: Real = call.state.as_ptr(),
+        sInvariant: Real = call.invariants.as_ptr(),
+        zeta: Real = call.cosines.as_ptr(),
+        uDev: RealResult = answer.deviatoric.as_mut_ptr(),
+        duDi: RealResult = answer.first.as_mut_ptr(),
+        d2uDiDi: RealResult = answer.second.as_mut_ptr(),
         stateNew: RealResult = answer.state.as_mut_ptr(),
     }
     /// Subroutine VUSDFLD, which returns field variables. `direct` and `T` are identities: the axes of the material are

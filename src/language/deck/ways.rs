@@ -41,9 +41,6 @@ pub fn alternative(name: &str) -> &'static str {
         "MODEL CHANGE" => {
             "elements are deleted by *SHEAR FAILURE, *DAMAGE INITIATION, *EROSION, or the state variable of *DEPVAR, DELETE= of a VUMAT"
         }
-        "ANISOTROPIC HYPERELASTIC" => {
-            "write the strain energy as a VUMAT user subroutine (*USER MATERIAL): from stretchNew and the directions of fibres, given as constants, follow their stretches and the stress; VUANISOHYPER_INV is not called"
-        }
         _ if begins(MATERIALS) => "other material models can be written as VUMAT user subroutines (*USER MATERIAL)",
         _ => "",
     }

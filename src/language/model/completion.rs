@@ -5,7 +5,7 @@ use super::context::Context;
 use super::families::{ConditionReader, MaterialReader, RotationalCondition};
 use super::rubber_fit::fit_rubber;
 use super::types::{DamageEvolution, InitialKind, LoadKind};
-use super::{derive, targets};
+use super::{derive, orientations, targets};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::lists::sorted_unique;
@@ -25,6 +25,7 @@ pub fn complete(context: &mut Context<'_>, materials: &mut MaterialReader, condi
     derive::derive_resistances(context, materials);
     fit_rubber(context, materials);
     targets::check_free_surfaces(context);
+    orientations::check_fibres(context);
     check_element_deletion(context);
     report_missing_dofs(context, conditions);
 }

@@ -73,6 +73,7 @@ impl Model {
             elements,
             material,
             controls: SectionControls::default(),
+            fibres: Vec::new(),
             span: Span::composed(),
         });
     }

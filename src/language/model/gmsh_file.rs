@@ -34,7 +34,9 @@ pub(super) fn parse(text: &str) -> Result<PlaneMesh, String> {
         elements_of_2(elements, &names, &mut mesh)?;
     } else if version == "4.1" {
         nodes_of_4(nodes, &mut mesh)?;
-        let groups = section("Entities").map_or(Ok(HashMap::new()), entities)?;
+        let mut groups = HashMap::new();
+        section("Entities").map_or(Ok(()), |words| entities(words, false, &mut groups))?;
+        section("PartitionedEntities").map_or(Ok(()), |words| entities(words, true, &mut groups))?;
         elements_of_4(elements, &groups, &names, &mut mesh)?;
     } else {
         return Err(format!("version {version} is not supported: {SAVE_AS}"));
@@ -158,13 +160,26 @@ fn nodes_of_4(mut words: WordReader<'_>, mesh: &mut LabelledMesh) -> Result<(), 
     Ok(())
 }
 
-/// Returns the physical groups of each entity.
-fn entities(mut words: WordReader<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>, String> {
-    let mut groups = HashMap::new();
+/// Reads the physical groups of each entity. The entities of a partitioned mesh also have their parent and partitions.
+fn entities(
+    mut words: WordReader<'_>,
+    is_partitioned: bool,
+    groups: &mut HashMap<(usize, i64), Vec<i64>>,
+) -> Result<(), String> {
+    if is_partitioned {
+        words.skip(1)?;
+        let ghosts = words.count()?;
+        words.skip(2 * ghosts)?;
+    }
     let counts = [words.count()?, words.count()?, words.count()?, words.count()?];
     for (dimension, count) in counts.into_iter().enumerate() {
         for _ in 0..count {
             let tag = words.whole()?;
+            if is_partitioned {
+                words.skip(2)?;
+                let partitions = words.count()?;
+                words.skip(partitions)?;
+            }
             words.skip(if dimension == 0 { 3 } else { 6 })?;
             let tags = (0..words.count()?).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
             groups.insert((dimension, tag), tags);
@@ -174,7 +189,7 @@ fn entities(mut words: WordReader<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>
             }
         }
     }
-    Ok(groups)
+    Ok(())
 }
 
 fn elements_of_4(

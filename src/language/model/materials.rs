@@ -8,7 +8,7 @@ use super::types::{
     CavityExpansion, Element, ElementKind, InfiniteSection, MaterialDefinition, MaterialId, PlasticityModel,
     RateDependence, SectionControls, SolidSection,
 };
-use super::{cohesive, derive, fields, user_material};
+use super::{cohesive, derive, fields, orientations, user_material};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic, Word};
 use crate::kernel::laminate::Lamina;
@@ -255,8 +255,9 @@ pub fn read_solid_section(context: &mut Context<'_>, sections: &mut SectionReade
     }
     let named = card.value("CONTROLS").cloned();
     sections.controls_used.extend(named.map(|word| (SectionIndex::Solid(context.model.sections.len()), word)));
+    let Some(fibres) = orientations::section_fibres(context, card) else { return };
     let (controls, span) = (SectionControls::default(), card.span);
-    context.model.sections.push(SolidSection { elements, material, controls, span });
+    context.model.sections.push(SolidSection { elements, material, controls, fibres, span });
 }
 
 /// Returns the elements of a section, checked for their types, and the material.

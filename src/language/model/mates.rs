@@ -4,6 +4,7 @@ use crate::deck::{Card, Diagnostic, Diagnostics, Parameter};
 
 /// Parameters of a keyword that have an effect only with another parameter, or only with one of its values.
 const NEEDED: &[(&str, &[&str], &str, &str)] = &[
+    ("ANISOTROPIC HYPERELASTIC", &["FORMULATION", "PROPERTIES"], "USER", ""),
     ("AMPLITUDE", &["FIXED INTERVAL", "BEGIN"], "DEFINITION", "EQUALLY SPACED"),
     ("AMPLITUDE", &["VARIABLES", "PROPERTIES"], "DEFINITION", "USER"),
     ("CAVITY EXPANSION", &["STATIC", "TERMS", "WEIGHT", "RADIUS", "TENSION"], "DERIVE", ""),
@@ -17,6 +18,7 @@ const NEEDED: &[(&str, &[&str], &str, &str)] = &[
 
 /// Parameters of a keyword of which only one may be given.
 const EXCLUSIVE: &[(&str, &[&str])] = &[
+    ("ANISOTROPIC HYPERELASTIC", &["HOLZAPFEL", "USER"]),
     ("CONTACT CONTROLS", &["RESET", "SCALE PENALTY"]),
     ("DYNAMIC", &["DIRECT USER CONTROL", "SCALE FACTOR", "ELEMENT BY ELEMENT", "GLOBAL"]),
     ("DYNAMIC TEMPERATURE-DISPLACEMENT", &["DIRECT USER CONTROL", "SCALE FACTOR", "ELEMENT BY ELEMENT"]),

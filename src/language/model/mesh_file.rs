@@ -7,7 +7,7 @@ use super::families::MeshReader;
 use super::mesh_data::{MeshCell, NO_COMMON_POINTS, PlaneMesh, is_in_half_plane};
 use super::names::{SetKind, qualified};
 use super::types::{ElementKind, ElementSide, ElementSurface};
-use super::vtk_mesh::is_mesh_array;
+use super::vtk_mesh::{NOT_A_MESH, is_mesh_array};
 use super::{elements, nodes, sets};
 use super::{gmsh_file, inp_file, vtk_file};
 use crate::deck::{Card, Diagnostic, Span, files, untrusted};
@@ -19,8 +19,9 @@ const GMSH_HELP: &str = "for linear elements: Mesh.ElementOrder = 1, or SetOrder
 const INP_HELP: &str = "write linear elements (CPS3, CPS4, CAX3, CAX4R) of the half-plane z = 0";
 const JOIN_POINTS: &str = "save the mesh, not the fields (Netgen: Export, MFEM: PrintVTK), or join the points with PyVista, \
      body by body if bodies touch: pyvista.read(FILE).clean().save(NEW)";
+const CAST: &str = "save an unstructured grid: pyvista.read(FILE).cast_to_unstructured_grid().save(\"mesh.vtu\"), or a block of a multiblock file";
 /// Formats that are not read, by the ending of the file.
-const OTHER_FORMATS: [(&str, &str); 7] = [
+const OTHER_FORMATS: [(&str, &str); 16] = [
     ("med", "MED"),
     ("unv", "I-DEAS universal"),
     ("bdf", "Nastran"),
@@ -28,6 +29,15 @@ const OTHER_FORMATS: [(&str, &str); 7] = [
     ("e", "Exodus"),
     ("exo", "Exodus"),
     ("stl", "STL"),
+    ("cgns", "CGNS"),
+    ("mesh", "Medit"),
+    ("su2", "SU2"),
+    ("k", "LS-DYNA"),
+    ("key", "LS-DYNA"),
+    ("rad", "Radioss"),
+    ("vol", "Netgen"),
+    ("xdmf", "XDMF"),
+    ("vtkhdf", "VTKHDF"),
 ];
 const CONVERT: &str =
     "convert it to .msh, .inp or .vtu, for example `gmsh FILE -save -o mesh.msh` or `meshio convert FILE mesh.vtu`";
@@ -44,7 +54,13 @@ fn read_any(folder: &Path, path: &Path) -> Result<PlaneMesh, (String, &'static s
     let bytes = || files::read_below(folder, path).map_err(|e| e.to_string());
     let text = || bytes().map(lossy_text);
     let with_help = |why: String, help| {
-        let help = if why.contains(NO_COMMON_POINTS) { JOIN_POINTS } else { help };
+        let help = if why.contains(NO_COMMON_POINTS) {
+            JOIN_POINTS
+        } else if why == NOT_A_MESH {
+            CAST
+        } else {
+            help
+        };
         (why, help)
     };
     match ending.as_str() {

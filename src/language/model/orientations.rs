@@ -1,4 +1,4 @@
-//! `*ORIENTATION`: material directions of shell sections and of their layers.
+//! `*ORIENTATION`: material directions of shell sections and of their layers, and of fibres in solid sections.
 //!
 //! The directions are those of ABAQUS (Analysis User's Guide, "Orientations"): the second data line names the local direction
 //! closest to the normal of the shell, and an additional rotation about the normal. Direction 1 of the material is the
@@ -7,52 +7,125 @@
 use super::context::Context;
 use super::names::upper;
 use crate::deck::table::materials as cards;
-use crate::deck::{Card, Deck, Diagnostic, Word};
+use crate::deck::{Card, DataLine, Deck, Diagnostic, Word};
 
+/// Field of the angle or the orientation of a layer on a data line of `COMPOSITE`.
+pub const ANGLE_FIELD: usize = 3;
 /// Smallest cosine between a local direction and the meridian of a shell at which it has a projection.
 const LEAST_PROJECTION: f64 = 1e-3;
 /// Numbers of the first data line: two points and the origin.
 const COORDINATES: usize = 9;
 
-/// Notes orientations that no shell section uses.
+/// Notes orientations that no section uses.
 pub fn read_orientation(context: &mut Context<'_>, card: &Card) {
     let Some(name) = context.required(card, "NAME").map(|word| upper(&word.text)) else { return };
     let is_name = |word: &Word| upper(&word.text) == name;
     let uses = |section: &Card| {
-        let of_layers = section.lines.iter().filter_map(|line| line.field(super::shells::ANGLE_FIELD));
+        let of_layers = section.lines.iter().filter_map(|line| line.field(ANGLE_FIELD));
         section.value("ORIENTATION").into_iter().chain(of_layers).any(is_name)
     };
-    if !context.deck.cards.iter().any(|section| section.keyword.name == "SHELL SECTION" && uses(section)) {
-        context.inert(card, "only shell sections have directions: built-in materials of solid elements are isotropic");
+    let is_section = |section: &Card| matches!(section.keyword.name, "SHELL SECTION" | "SOLID SECTION");
+    if !context.deck.cards.iter().any(|section| is_section(section) && uses(section)) {
+        context.inert(card, "no section uses it");
     }
+}
+
+/// Returns the directions of fibres that a solid section names: unit vectors along r, z and hoop. Other orientations of solids
+/// are not read.
+pub fn section_fibres(context: &mut Context<'_>, section: &Card) -> Option<Vec<[f64; 3]>> {
+    let has_fibres = |card: &Card| card.value("LOCAL DIRECTIONS").is_some();
+    let Some(word) = section.value("ORIENTATION").filter(|_| orientations(context.deck).any(has_fibres)) else {
+        return Some(Vec::new());
+    };
+    let card = orientation_named(context, section, word)?;
+    let cards::Orientation { families, .. } = card.values();
+    if families == 0 {
+        return Some(Vec::new());
+    }
+    let directions = rectangular_directions(context, card)?;
+    let lines = card.lines.get(2..).unwrap_or_default();
+    if lines.len() != families {
+        let found = lines.len();
+        let message = format!(
+            "LOCAL DIRECTIONS={families}, but {found} lines follow that of the axis and angle of rotation; each has one direction"
+        );
+        return context.refuse_value(card.span, message);
+    }
+    let rotation = axis_and_angle(context, card)?;
+    lines.iter().map(|line| fibre(context, line, directions, rotation)).collect()
+}
+
+/// Reports sections that lack directions of the fibres of their material.
+pub fn check_fibres(context: &mut Context<'_>) {
+    let model = &context.model;
+    let missing = model.sections.iter().filter_map(|section| {
+        let material = &model.materials[section.material];
+        let (families, found) = (material.user.energy?.families, section.fibres.len());
+        let message = format!(
+            "material `{}` has {families} families of fibres, but the *ORIENTATION of its section gives {found}",
+            material.name
+        );
+        let label = format!("ORIENTATION= with LOCAL DIRECTIONS={families} is missing");
+        (found < families).then(|| Diagnostic::error("M101", message).at(section.span, label))
+    });
+    let missing: Vec<Diagnostic> = missing.collect();
+    missing.into_iter().for_each(|diagnostic| context.diagnostics.push(diagnostic));
+}
+
+/// Reads a direction of fibres, in local directions that are rotated about one of them.
+fn fibre(
+    context: &mut Context<'_>,
+    line: &DataLine,
+    [first, second]: [[f64; 2]; 2],
+    (axis, degrees): (usize, f64),
+) -> Option<[f64; 3]> {
+    let parts = context.numbers_or::<3>(line, 0, 0.0)?;
+    let length = libm::sqrt(parts.iter().map(|part| part * part).sum());
+    if !(length > 0.0 && length.is_finite()) {
+        return context.refuse_value(line.span, "a direction of fibres needs a component that is not 0");
+    }
+    let (sine, cosine) = libm::sincos(degrees.to_radians());
+    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut local = parts.map(|part| part / length);
+    (local[next], local[last]) = (cosine * local[next] - sine * local[last], sine * local[next] + cosine * local[last]);
+    let [along_r, along_z] = [0, 1].map(|i| local[0] * first[i] + local[1] * second[i]);
+    Some([along_r, along_z, local[2]])
 }
 
 /// Returns the angle in degrees from the meridian of shell elements to direction 1 of the orientation that a word of a section
 /// names.
 pub fn shell_angle(context: &mut Context<'_>, section: &Card, word: &Word, elements: &[usize]) -> Option<f64> {
     let card = orientation_named(context, section, word)?;
-    let cards::Orientation { system, definition } = card.values();
-    if system != 0 || definition != 0 {
-        let message = "orientations of shells have SYSTEM=RECTANGULAR and DEFINITION=COORDINATES";
-        return context.refuse_unsupported(card.span, message, "give the local directions 1 and 2 by two points");
-    }
-    let [first, second] = local_directions(context, card)?;
-    let (axis, turn) = match card.lines.get(1) {
-        Some(line) => (context.number_or(line, 0, 1.0)?, context.number_or(line, 1, 0.0)?),
-        None => (1.0, 0.0),
-    };
-    let direction = if axis == 1.0 {
-        second
-    } else if axis == 2.0 {
+    let [first, second] = rectangular_directions(context, card)?;
+    let (axis, turn) = axis_and_angle(context, card)?;
+    let direction = match axis {
+        0 => second,
         // The third local direction is the hoop.
-        return Some(90.0 + turn);
-    } else if axis == 3.0 {
-        first
-    } else {
-        return context.refuse_value(card.lines[1].span, format!("a local direction is 1, 2 or 3, found {axis}"));
+        1 => return Some(90.0 + turn),
+        _ => first,
     };
     check_projection(context, word, direction, elements)?;
     Some(turn)
+}
+
+/// Returns the local directions 1 and 2 of a supported orientation.
+fn rectangular_directions(context: &mut Context<'_>, card: &Card) -> Option<[[f64; 2]; 2]> {
+    let cards::Orientation { system, definition, .. } = card.values();
+    if system != 0 || definition != 0 {
+        let message = "orientations have SYSTEM=RECTANGULAR and DEFINITION=COORDINATES";
+        return context.refuse_unsupported(card.span, message, "give the local directions 1 and 2 by two points");
+    }
+    local_directions(context, card)
+}
+
+/// Returns the local direction of the second line, from 0, and the angle in degrees.
+fn axis_and_angle(context: &mut Context<'_>, card: &Card) -> Option<(usize, f64)> {
+    let Some(line) = card.lines.get(1) else { return Some((0, 0.0)) };
+    let (axis, turn) = (context.number_or(line, 0, 1.0)?, context.number_or(line, 1, 0.0)?);
+    match [1.0, 2.0, 3.0].iter().position(|known| *known == axis) {
+        Some(axis) => Some((axis, turn)),
+        None => context.refuse_value(line.span, format!("a local direction is 1, 2 or 3, found {axis}")),
+    }
 }
 
 /// Returns the orientation with the name of a word: the one in the part of the section if there are several.

@@ -81,6 +81,7 @@ static READERS: &[CardReader] = readers! {
     "SHEAR FAILURE" => failure::read_shear_failure(context);
     "PLASTIC" => materials::read_plastic(context);
     "RATE DEPENDENT" => materials::read_rate_dependent(context);
+    "ANISOTROPIC HYPERELASTIC" => user_material::read_anisotropic_energy(context);
     "USER MATERIAL" => user_material::read_user_material(context);
     "USER DEFINED FIELD" => user_material::read_user_fields(context);
     "CHARACTERISTIC LENGTH" => user_material::read_characteristic_length(context);

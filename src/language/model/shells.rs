@@ -4,14 +4,13 @@ use super::context::Context;
 use super::families::SectionReader;
 use super::faults::{ValueCheck, ValueFault, require, require_line};
 use super::materials;
-use super::orientations;
+use super::orientations::{self, ANGLE_FIELD};
 use super::types::{ElementKind, ShellLayer, ShellSection, ShellThinning};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Word};
 
-/// Field of the material on a data line of `COMPOSITE`, and of the angle.
+/// Field of the material on a data line of `COMPOSITE`.
 const MATERIAL_FIELD: usize = 2;
-pub const ANGLE_FIELD: usize = 3;
 
 pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let values: cards::ShellSection = card.values();

@@ -52,6 +52,7 @@ pub fn list_unused(context: &mut Context<'_>) {
                     context.ignore("CONTACT INCLUSIONS, surfaces", line.span, "ALL EXTERIOR includes all surfaces");
                 }
             }
+            "SOLID SECTION" => orientation_without_fibres(context, card),
             "CONTACT PAIR" => {
                 let between = |word: &&Word| !matches!(word.text.parse(), Ok(0.0_f64 | 1.0));
                 if let Some(word) = card.value("WEIGHT").filter(between) {
@@ -102,6 +103,18 @@ fn limits_of_absent_damage(context: &mut Context<'_>, index: usize) {
     }
 }
 
+/// Lists the orientation of a solid section whose material has no fibres.
+fn orientation_without_fibres(context: &mut Context<'_>, card: &Card) {
+    let has_fibres = |material: &MaterialDefinition| material.user.energy.is_some_and(|energy| energy.families > 0);
+    let model = &context.model;
+    let is_used = model.sections.iter().any(|s| s.span == card.span && has_fibres(&model.materials[s.material]));
+    if let Some(word) = card.value("ORIENTATION").filter(|_| !is_used) {
+        let why =
+            "built-in materials without fibres are isotropic; a *USER MATERIAL receives components along r, z and hoop";
+        context.ignore("SOLID SECTION, ORIENTATION", word.span, why);
+    }
+}
+
 /// Lists ADIABATIC if no material converts work to heat.
 fn adiabatic_without_dissipation(context: &mut Context<'_>) {
     let heats = |material: &MaterialDefinition| {
@@ -109,7 +122,7 @@ fn adiabatic_without_dissipation(context: &mut Context<'_>) {
             || material.has_strength_law()
             || material.foam.shape.is_some()
             || material.eos.is_some()
-            || material.user.material.is_some()
+            || (material.user.material.is_some() && material.user.energy.is_none())
     };
     if context.model.materials.iter().any(heats) {
         return;

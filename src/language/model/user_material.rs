@@ -4,8 +4,9 @@
 use super::bodies::warn_of_repeated_condition;
 use super::context::Context;
 use super::families::ConditionReader;
-use super::types::{InitialCondition, InitialKind, PlasticityModel, StateVariables};
+use super::types::{AnisotropicEnergyCard, InitialCondition, InitialKind, PlasticityModel, StateVariables};
 use crate::deck::read::FromValue;
+use crate::deck::table::materials as cards;
 use crate::deck::{Card, DataLine};
 
 /// Values on a full data line.
@@ -29,6 +30,26 @@ pub fn read_user_material(context: &mut Context<'_>, card: &Card) {
     } else {
         material.user.material = values;
     }
+}
+
+/// Reads `*ANISOTROPIC HYPERELASTIC`.
+pub fn read_anisotropic_energy(context: &mut Context<'_>, card: &Card) {
+    let cards::AnisotropicHyperelastic { is_user, families } = card.values();
+    if !is_user && !card.has("HOLZAPFEL") {
+        return context.unsupported(card.span, "the strain energy is missing", "give HOLZAPFEL or USER");
+    }
+    let constants = if is_user { constants(context, card, "PROPERTIES") } else { holzapfel_constants(context, card) };
+    let user = &mut context.last_material().user;
+    user.energy = constants.is_some().then_some(AnisotropicEnergyCard { is_user, families });
+    user.material = constants;
+}
+
+/// Reads C10, D, k1, k2 and kappa. D = 0 selects the default compressibility.
+fn holzapfel_constants(context: &mut Context<'_>, card: &Card) -> Option<Vec<f64>> {
+    let line = context.first_line(card)?;
+    let [c10, d, k1, k2, kappa] = context.numbers_or::<5>(line, 0, 0.0)?;
+    // The bulk modulus 2/D is 20 times the shear modulus 2 C10.
+    Some(vec![c10, if d == 0.0 { 0.05 / c10 } else { d }, k1, k2, kappa])
 }
 
 /// Beginning of the names of materials for which ABAQUS reads `*USER MATERIAL` as the second law of Johnson and Holmquist.
@@ -86,7 +107,8 @@ pub fn read_state_variables(context: &mut Context<'_>, card: &Card) {
     let calls = |c: &&Card| {
         let name = c.keyword.name;
         let hardening = name == "PLASTIC" && c.value("HARDENING").is_some_and(|w| w.is("USER"));
-        hardening || matches!(name, "USER MATERIAL" | "USER DEFINED FIELD")
+        let is_user = hardening || (name == "ANISOTROPIC HYPERELASTIC" && c.has("USER"));
+        is_user || matches!(name, "USER MATERIAL" | "USER DEFINED FIELD")
     };
     if !context.deck.cards.iter().any(|c| calls(&c)) {
         return context.inert(card, "it is used by user subroutines only, and this deck has none at material points");

@@ -10,10 +10,12 @@ use std::path::Path;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, DataSet, VertexNumbers};
 
-use super::vtk_mesh::{VtkMesh, is_mesh_array};
+use super::vtk_mesh::{NOT_A_MESH, VtkMesh, is_mesh_array};
 use super::xml_mesh;
 use crate::deck::files;
 
+/// Bytes of a legacy file before the name of its data set: two lines, of at most 256 bytes, and a word.
+const HEADER: usize = 1024;
 /// Largest file size in bytes; the mesh needs several times as much memory.
 const MAX_BYTES: u64 = 2 << 30;
 
@@ -71,6 +73,10 @@ pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<VtkMe
 
 /// Returns the contents of a legacy file.
 fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
+    let header = &bytes[..bytes.len().min(HEADER)];
+    if [&b"DATASET RECTILINEAR_GRID"[..], b"DATASET STRUCTURED_"].iter().any(|other| find(header, other).is_some()) {
+        return Err(NOT_A_MESH.into());
+    }
     let vtk = Vtk::parse_legacy_be(&with_known_types(adapted(bytes))?[..]).map_err(|e| e.to_string())?;
     let (points, cells, types, data) = match vtk.data {
         DataSet::UnstructuredGrid { pieces, .. } => {
@@ -86,7 +92,7 @@ fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
             let listed_cells = [piece.verts, piece.lines, piece.polys].into_iter().flat_map(cells).collect();
             (piece.points, listed_cells, Vec::new(), piece.data)
         }
-        _ => return Err("it must be an unstructured grid or poly data".into()),
+        _ => return Err(NOT_A_MESH.into()),
     };
     let values: Vec<f64> = points.cast_into().ok_or("its point coordinates are not numbers")?;
     let points = values.as_chunks::<3>().0.to_vec();

@@ -8,6 +8,9 @@ use super::mesh_data::{ListedMesh, MeshCell};
 /// Array that marks hidden cells (`vtkDataSetAttributes`).
 pub const BLANKING: &str = "vtkGhostType";
 
+/// The reason for grids without cells of their own.
+pub(super) const NOT_A_MESH: &str = "it must be an unstructured grid or poly data";
+
 /// Points, cells and arrays of a VTK file.
 #[derive(Debug, Default)]
 pub struct VtkMesh {

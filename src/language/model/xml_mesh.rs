@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::vtk_mesh::VtkMesh;
+use super::vtk_mesh::{NOT_A_MESH, VtkMesh};
 use super::xml_array::{ArrayBudget, ArrayFormat, Compression, NumberType, StoredArray, decode};
 
 /// Largest number of arrays of a file.
@@ -270,7 +270,7 @@ fn array_format(root: &Tag<'_>) -> Result<ArrayFormat, String> {
         Some("PUnstructuredGrid" | "PPolyData") => {
             return Err("it refers to pieces in other files; save it as one file".into());
         }
-        _ => return Err("it must be an unstructured grid or poly data".into()),
+        _ => return Err(NOT_A_MESH.into()),
     }
     let header = match root.attribute("header_type") {
         None | Some("UInt32") => 4,

@@ -57,7 +57,9 @@ macro_rules! laws {
 }
 
 use HardeningLaw::{Elastic, Failing, Kinematic, PiecewiseLinear, RateDependent, RateKinematic};
-use SolidMaterial::{DetailedPoint, Foam, Ogden, Point, Polynomial, Return, UserFlow, UserStress, VonMises};
+use SolidMaterial::{
+    DetailedPoint, Foam, Ogden, Point, Polynomial, Return, UserEnergy, UserFlow, UserStress, VonMises,
+};
 
 laws! {
     elastic: VonMises(Elastic(None), None);
@@ -97,6 +99,7 @@ laws! {
     law_in_rust: Point(user_law());
     detailed_law_in_rust: DetailedPoint(user_law());
     user_stress: UserStress(subroutine());
+    user_energy: UserEnergy(subroutine());
     user_flow: UserFlow(subroutine());
 }
 
@@ -120,6 +123,7 @@ fn number(material: &SolidMaterial) -> usize {
         UserFlow(_) => 14,
         VonMises(Failing(..), _) => 15,
         Return(_) => 16,
+        UserEnergy(_) => 17,
     }
 }
 
@@ -140,7 +144,7 @@ fn pressure_number(material: &SolidMaterial) -> Option<usize> {
 #[test]
 fn no_law_is_missing() {
     let kinds: BTreeSet<usize> = LAWS.iter().map(|law| number(&(law.material)())).collect();
-    assert!(kinds.into_iter().eq(0..17));
+    assert!(kinds.into_iter().eq(0..18));
     let pressures: BTreeSet<usize> = LAWS.iter().filter_map(|law| pressure_number(&(law.material)())).collect();
     assert!(pressures.into_iter().eq(0..7));
 }

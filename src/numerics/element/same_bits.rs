@@ -29,6 +29,7 @@ use crate::material::point_law::{PointLaw, PointLawData};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
 use crate::material::user::SubroutineMaterial;
 use crate::material::user::description::{BuiltInPlasticity, UserMaterialData, YieldSource};
+use crate::material::user::energy::{AnisotropicEnergy, HolzapfelEnergy};
 use crate::material::user_eos::UserEos;
 use crate::material::{Material, PlasticFlow};
 use crate::mesh::corner_forces::CornerForces;
@@ -331,8 +332,8 @@ pub(super) fn user_law<const DETAILED: bool>() -> PointLaw<DETAILED> {
     })
 }
 
-/// Returns a material of VUMAT, or of built-in plasticity that is evaluated point by point.
-pub(super) fn subroutine<const FLOWS: bool>() -> SubroutineMaterial<FLOWS> {
+/// Returns a material of VUMAT, of a strain energy with fibres, or of built-in plasticity that is evaluated point by point.
+pub(super) fn subroutine<const FLOWS: bool, const ENERGY: bool>() -> SubroutineMaterial<FLOWS, ENERGY> {
     let yields = YieldSource::Law(Arc::new(johnson_cook()));
     let flow = BuiltInPlasticity { bulk: MODULI.bulk, shear: MODULI.shear, elasticity: None, yields };
     let description = UserMaterialData {
@@ -343,6 +344,11 @@ pub(super) fn subroutine<const FLOWS: bool>() -> SubroutineMaterial<FLOWS> {
         fields: 0,
         field_constants: None,
         length_constants: None,
+        // Fibres along the hoop: the material is isotropic in the (r, z) plane.
+        energy: ENERGY.then(|| AnisotropicEnergy {
+            fibres: vec![[0.0, 0.0, 1.0]],
+            built_in: Some(HolzapfelEnergy { c10: 0.5, d: 0.7, k1: 0.4, k2: 0.3, kappa: 0.1 }),
+        }),
         flow: FLOWS.then_some(flow),
         heating: PlasticHeating::Constant(50.0),
         density: DENSITY,

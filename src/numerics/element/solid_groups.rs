@@ -112,6 +112,8 @@ pub enum SolidMaterial {
     DetailedPoint(PointLaw<true>),
     /// VUMAT user subroutine, which computes the stress.
     UserStress(SubroutineMaterial<false>),
+    /// Strain energy of invariants, built in or of VUANISOHYPER_INV.
+    UserEnergy(SubroutineMaterial<false, true>),
     /// User subroutine that computes the yield stress, or built-in plasticity that is evaluated point by point.
     UserFlow(SubroutineMaterial<true>),
 }
@@ -163,6 +165,7 @@ impl SolidMaterial {
             SolidMaterial::Point(law) => visitor.visit(law),
             SolidMaterial::DetailedPoint(law) => visitor.visit(law),
             SolidMaterial::UserStress(law) => visitor.visit(law),
+            SolidMaterial::UserEnergy(law) => visitor.visit(law),
             SolidMaterial::UserFlow(law) => visitor.visit(law),
         }
     }

@@ -5,7 +5,7 @@ use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::transcendental::inverse_cbrt;
 use crate::material::carried::carried_state;
-use crate::material::increment::{StrainIncrement, StressUpdate};
+use crate::material::increment::{LEAST_MODULUS, StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{PrincipalResponse, StrainEnergy, VolumetricEnergy};
 use crate::material::{BlockStart, Material};
 use crate::state::archive::Persist;
@@ -186,7 +186,7 @@ impl<E: StrainEnergy> HyperelasticMaterial<E> {
     #[inline(always)]
     fn set_response(&self, volume: &Lanes, shape: &PrincipalResponse, turn: &[Lanes; 2], update: &mut StressUpdate) {
         let known = 4.0 / 3.0 * self.shear;
-        let (least, softest) = (LEAST * (known + self.volume.initial()), LEAST * self.shear);
+        let (least, softest) = (LEAST_MODULUS * (known + self.volume.initial()), LEAST_MODULUS * self.shear);
         let [pressing, slope] = self.volume.respond(volume);
         for l in 0..LANES {
             let (j, pressing) = (volume[l], pressing[l]);
@@ -214,8 +214,5 @@ impl<E: StrainEnergy> HyperelasticMaterial<E> {
         }
     }
 }
-
-/// Smallest wave modulus over the initial one: a softening rubber keeps a finite stable time increment.
-const LEAST: f64 = 1e-2;
 
 carried_state!(DeformationState { gradient });

@@ -4,6 +4,9 @@
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::moduli::ElasticModuli;
 
+/// Smallest wave modulus over the initial one: a softening material keeps a finite stable time increment.
+pub const LEAST_MODULUS: f64 = 1e-2;
+
 /// Kinematics of a block of elements over an increment.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]

@@ -94,6 +94,8 @@ pub fn bounds_advice(argument: &str) -> String {
         "stateNew" => "nblock,nstatev",
         "stressNew" => "nblock,ndir+nshr",
         "field" => "nblock,nfieldv",
+        "duDi" => "nblock,nInv",
+        "d2uDiDi" => "nblock,nInv*(nInv+1)/2",
         _ => return String::new(),
     };
     format!("; if it is declared with `*`, declare {argument}({sizes}): --check-user then names the line")
@@ -494,6 +496,22 @@ point_calls! {
         rate: &'a [f64],
     }
 
+    /// Arguments of a user strain energy for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.9
+    /// "VUANISOHYPER_INV").
+    #[derive(Debug)]
+    EnergyCall {
+        /// Families of fibres (`nFiber`).
+        families: usize,
+        /// Temperatures at the start and at the end of the increment (`tempOld`, `tempNew`).
+        temperature: [&'a [f64]; 2],
+        /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
+        field: [&'a [f64]; 2],
+        /// Invariants Ī1, Ī2, J, then Ī4(ij) and Ī5(ij) for i ≤ j, j varying slowest (`sInvariant`).
+        invariants: &'a [f64],
+        /// Cosines between the families i < j in the initial configuration, j varying slowest (`zeta`).
+        cosines: &'a [f64],
+    }
+
     /// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
     FieldCall {
         /// `coordMp`: r, z, then NaN in place of a third coordinate.
@@ -563,6 +581,29 @@ pub trait UserHardening: Send {
     /// # Errors
     /// Any failure; the run halts.
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// Result of a user strain energy per initial volume. On entry, derivatives are zero, state variables the previous ones.
+#[derive(Debug)]
+pub struct EnergyAnswer<'a> {
+    /// Deviatoric part of the energy (`uDev`), which no result depends on.
+    pub deviatoric: &'a mut [f64],
+    /// Derivatives by the invariants (`duDi`).
+    pub first: &'a mut [f64],
+    /// Second derivatives by the invariants a ≤ b, b varying slowest (`d2uDiDi`). They bound the stable time increment.
+    pub second: &'a mut [f64],
+    /// State variables at the end of the increment (`stateNew`).
+    pub state: &'a mut [f64],
+}
+
+/// User strain energy of invariants (`*ANISOTROPIC HYPERELASTIC, USER, FORMULATION=INVARIANT`), called once per increment and
+/// block, and at the start of the analysis in the initial configuration.
+pub trait UserEnergy: Send {
+    /// Computes the derivatives of the strain energy.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn energy(&mut self, call: &EnergyCall<'_>, answer: &mut EnergyAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
 /// Values of material points at the beginning of an increment, by output variable (`vgetvrm`).
@@ -740,6 +781,8 @@ routines! {
     motion: UserMotion, "vdisp", with_motion;
     /// Subroutine VUMAT of `*USER MATERIAL`.
     material: UserMaterial, "vumat", with_material;
+    /// `*ANISOTROPIC HYPERELASTIC, USER` (VUANISOHYPER_INV).
+    energy: UserEnergy, "vuanisohyper_inv", with_energy;
     /// `*PLASTIC, HARDENING=USER` (VUHARD).
     hardening: UserHardening, "vuhard", with_hardening;
     /// `*USER DEFINED FIELD` (VUSDFLD).
@@ -759,6 +802,7 @@ impl LockedRoutines {
     pub fn at_points(&mut self) -> PointRoutines<'_> {
         PointRoutines {
             material: self.material.as_deref_mut(),
+            energy: self.energy.as_deref_mut(),
             hardening: self.hardening.as_deref_mut(),
             fields: self.fields.as_deref_mut(),
             lengths: self.lengths.as_deref_mut(),
@@ -771,6 +815,8 @@ impl LockedRoutines {
 pub struct PointRoutines<'a> {
     /// VUMAT subroutine, as in [`Routines::material`].
     pub material: Option<&'a mut (dyn UserMaterial + 'static)>,
+    /// VUANISOHYPER_INV subroutine, as in [`Routines::energy`].
+    pub energy: Option<&'a mut (dyn UserEnergy + 'static)>,
     /// VUHARD subroutine, as in [`Routines::hardening`].
     pub hardening: Option<&'a mut (dyn UserHardening + 'static)>,
     /// VUSDFLD subroutine, as in [`Routines::fields`].
@@ -784,6 +830,7 @@ impl PointRoutines<'_> {
     pub fn lend(&mut self) -> PointRoutines<'_> {
         PointRoutines {
             material: self.material.as_deref_mut(),
+            energy: self.energy.as_deref_mut(),
             hardening: self.hardening.as_deref_mut(),
             fields: self.fields.as_deref_mut(),
             lengths: self.lengths.as_deref_mut(),

@@ -136,13 +136,14 @@ struct KnownRoutine {
     never_called: &'static str,
 }
 
-fn known_routines(routines: &Routines) -> [KnownRoutine; 9] {
+fn known_routines(routines: &Routines) -> [KnownRoutine; 10] {
     let known = |name, is_given, never_called| KnownRoutine { name, is_given, never_called };
     [
         known("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
         known("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is used"),
         known("vdisp", routines.motion.is_some(), "there is no *BOUNDARY, USER"),
         known("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
+        known("vuanisohyper_inv", routines.energy.is_some(), "no element has *ANISOTROPIC HYPERELASTIC, USER"),
         known("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
         known("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
         known(

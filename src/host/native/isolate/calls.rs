@@ -1,6 +1,8 @@
 //! Arguments of calls as messages: one list of fields defines both writing and reading.
 
-use super::super::{FrictionCall, HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall, NodalFieldCall};
+use super::super::{
+    EnergyCall, FrictionCall, HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall, NodalFieldCall,
+};
 use super::message::{MessageField, MessageReader, MessageWriter, get, put};
 
 /// Implements messages for calls of which all fields are sent.
@@ -29,6 +31,10 @@ calls! {
     MaterialCall {
         name, now, dt, count, integration_point, variables, properties, coordinates, length, density, strain, spin,
         elements, temperature, fields, field, stretch, gradient, stress, state, internal, inelastic
+    }
+    EnergyCall {
+        name, now, dt, count, integration_point, variables, fields, properties, elements, state, families, temperature,
+        field, invariants, cosines
     }
     HardeningCall {
         name, now, dt, count, integration_point, variables, fields, properties, elements, temperature, field, state,

@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use super::super::{
-    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FrictionCall, HardeningAnswer, HardeningCall, LengthCall,
-    LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, RunAction, UserAmplitude,
-    UserEvents, UserFriction, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, UserNodalFields,
+    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, EnergyAnswer, EnergyCall, FrictionCall, HardeningAnswer,
+    HardeningCall, LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall,
+    RunAction, UserAmplitude, UserEnergy, UserEvents, UserFriction, UserHardening, UserLengths, UserLoad, UserMaterial,
+    UserMotion, UserNodalFields,
 };
 use super::channel::RoutineChannel;
 use super::message::{MessageField as _, MessageWriter, put};
@@ -100,6 +101,13 @@ impl UserMaterial for RoutineClient {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let MaterialAnswer { stress, state, internal, inelastic } = answer;
         self.call(TurnPurpose::Material, |to| call.put(to), [stress, state, internal, inelastic])
+    }
+}
+
+impl UserEnergy for RoutineClient {
+    fn energy(&mut self, call: &EnergyCall<'_>, answer: &mut EnergyAnswer<'_>) -> Result<(), LoadFailure> {
+        let EnergyAnswer { deviatoric, first, second, state } = answer;
+        self.call(TurnPurpose::Energy, |to| call.put(to), [deviatoric, first, second, state])
     }
 }
 

@@ -62,6 +62,7 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
             "vuamp" => routines.with_amplitude(client),
             "vdisp" => routines.with_motion(client),
             "vumat" => routines.with_material(client),
+            "vuanisohyper_inv" => routines.with_energy(client),
             "vuhard" => routines.with_hardening(client),
             "vufield" => routines.with_nodal_fields(client),
             "vfriction" => routines.with_friction(client),

@@ -3,8 +3,8 @@
 
 use super::super::subroutines::{ArgumentKind, interface};
 use super::super::{
-    AmplitudeCall, AnalysisMoment, FrictionCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints,
-    LockedRoutines, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, bounds_advice,
+    AmplitudeCall, AnalysisMoment, EnergyAnswer, EnergyCall, FrictionCall, HardeningAnswer, HardeningCall, LengthCall,
+    LoadFailure, LoadPoints, LockedRoutines, MaterialAnswer, MaterialCall, MotionCall, NodalFieldCall, bounds_advice,
 };
 use super::message::{AnswerLists, MessageField as _, MessageReader, get};
 use super::shared_memory::{CallExchange, TurnPurpose};
@@ -56,6 +56,12 @@ impl RoutineServer {
                 let [stress, state, internal, inelastic] = answers.take(from);
                 let mut answer = MaterialAnswer { stress, state, internal, inelastic };
                 routines.material.as_deref_mut()?.stress(&call, &mut answer)
+            }
+            TurnPurpose::Energy => {
+                let call = EnergyCall::get(from);
+                let [deviatoric, first, second, state] = answers.take(from);
+                let mut answer = EnergyAnswer { deviatoric, first, second, state };
+                routines.energy.as_deref_mut()?.energy(&call, &mut answer)
             }
             TurnPurpose::Hardening => {
                 let call = HardeningCall::get(from);

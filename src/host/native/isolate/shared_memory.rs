@@ -32,6 +32,7 @@ pub enum TurnPurpose {
     Amplitude,
     Motion,
     Material,
+    Energy,
     Hardening,
     NodalFields,
     Friction,
@@ -46,11 +47,12 @@ pub const REQUEST: u32 = 100;
 pub const LEAVE: u32 = 101;
 
 /// Purposes of calls in the order of their numbers, with the names of the subroutines.
-const PURPOSES: [(TurnPurpose, &str); 10] = [
+const PURPOSES: [(TurnPurpose, &str); 11] = [
     (TurnPurpose::Load, "vdload"),
     (TurnPurpose::Amplitude, "vuamp"),
     (TurnPurpose::Motion, "vdisp"),
     (TurnPurpose::Material, "vumat"),
+    (TurnPurpose::Energy, "vuanisohyper_inv"),
     (TurnPurpose::Hardening, "vuhard"),
     (TurnPurpose::NodalFields, "vufield"),
     (TurnPurpose::Friction, "vfriction"),

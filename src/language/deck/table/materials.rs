@@ -111,6 +111,28 @@ card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL")
     (list "constant" (NUMBER) "Eight values per line; with D1 = 0 the bulk modulus is 20 times the shear modulus"),
 ]);
 
+card!(AnisotropicHyperelastic: "ANISOTROPIC HYPERELASTIC", "Rubber and tissue with fibres", (once below "MATERIAL"), {
+    "HOLZAPFEL" (FLAG) "Energy of Holzapfel, Gasser and Ogden",
+    is_user: bool = "USER" (FLAG) "User subroutine VUANISOHYPER_INV computes the energy",
+    "FORMULATION" only ["INVARIANT"] "VUANISOHYPER_STRAIN is not called",
+    families: usize = "LOCAL DIRECTIONS" (INTEGER.from(0.0).to(8.0).or(0.0)) "Number of families of fibres; their directions are on the *ORIENTATION of the section",
+    "PROPERTIES" (INTEGER.from(0.0).or(0.0)) "Number of constants of USER",
+    "TYPE" inert "applies only to implicit analyses",
+    "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+} refused {
+    "use HOLZAPFEL, or write the energy as VUANISOHYPER_INV or VUMAT user subroutine": "FUNG-ANISOTROPIC", "FUNG-ORTHOTROPIC";
+}, [
+    (when "USER" list "constant of the energy" (NUMBER) "Eight values per line"),
+    (lines [
+        "C10" (POSITIVE.required()) "Half the shear modulus of the matrix",
+        "D" (NOT_NEGATIVE.or(0.0)) "Two over the bulk modulus; with 0 the bulk modulus is 20 times the shear modulus of the matrix",
+        "k1" (NOT_NEGATIVE.or(0.0)), "k2" (NOT_NEGATIVE.or(0.0)),
+        "kappa" (NOT_NEGATIVE.to(1.0 / 3.0).or(0.0)) "Dispersion of the fibres: 0 aligned, 1/3 isotropic",
+        "temperature" inert "the constants do not depend on temperature",
+    ]),
+]);
+
 /// Defines the card of the test data of a mode of deformation.
 macro_rules! test_data {
     ($type:ident, $keyword:literal, $summary:literal, $stress:literal, $strain:literal) => {
@@ -389,13 +411,13 @@ card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target mat
     (lines ["A" (NOT_NEGATIVE.required()), "B" (NOT_NEGATIVE.required()), "C" (NOT_NEGATIVE.required())]),
 ]);
 
-card!(Orientation: "ORIENTATION", "Material directions of shell sections and of their layers", (), {
+card!(Orientation: "ORIENTATION", "Material directions of shell sections and of their layers, and of fibres in solids", (), {
     "NAME" read "Name",
-    system: usize = "SYSTEM" (word(&["RECTANGULAR", "CYLINDRICAL", "SPHERICAL", "Z RECTANGULAR", "USER"]).or(0.0)) "RECTANGULAR (default); shells support no other",
-    definition: usize = "DEFINITION" (word(&["COORDINATES", "NODES", "OFFSET TO NODES"]).or(0.0)) "COORDINATES (default); shells support no other",
-    "LOCAL DIRECTIONS" inert "applies only to anisotropic hyperelasticity",
+    system: usize = "SYSTEM" (word(&["RECTANGULAR", "CYLINDRICAL", "SPHERICAL", "Z RECTANGULAR", "USER"]).or(0.0)) "RECTANGULAR (default); no other is supported",
+    definition: usize = "DEFINITION" (word(&["COORDINATES", "NODES", "OFFSET TO NODES"]).or(0.0)) "COORDINATES (default); no other is supported",
+    families: usize = "LOCAL DIRECTIONS" (INTEGER.from(0.0).to(8.0).or(0.0)) "Number of directions of fibres of *ANISOTROPIC HYPERELASTIC, on the third and the next lines",
 }, [(rows [
-    "first value" read "First line: r, z and 0 of a point in the local direction 1; then of a point in the plane of the local directions 1 and 2; then of the origin (default 0). Second line: the local direction closest to the normal of the shell (default 1), and an additional rotation about the normal in degrees",
+    "first value" read "First line: r, z and 0 of a point in the local direction 1; then of a point in the plane of the local directions 1 and 2; then of the origin (default 0). Second line: the local direction closest to the normal of the shell (default 1), for solids the one about which the directions are rotated, and the angle of rotation in degrees. A line for each direction of fibres: its components along the local directions 1, 2 and 3",
     "second value", "third value", "fourth value", "fifth value", "sixth value", "seventh value", "eighth value", "ninth value",
 ])]);
 
@@ -495,6 +517,7 @@ pub const CARDS: &[Keyword] = &[
     Viscosity::ROW,
     DetonationPoint::ROW,
     Hyperelastic::ROW,
+    AnisotropicHyperelastic::ROW,
     UniaxialTestData::ROW,
     BiaxialTestData::ROW,
     PlanarTestData::ROW,
@@ -536,7 +559,7 @@ pub const CARDS: &[Keyword] = &[
         "ELSET" read "Elements",
         "MATERIAL" read "Material",
         "CONTROLS" read "Section controls",
-        "ORIENTATION" inert "built-in materials are isotropic; a *USER MATERIAL receives components along r, z and hoop",
+        "ORIENTATION" read "Directions of fibres of *ANISOTROPIC HYPERELASTIC; other built-in materials are isotropic, and a *USER MATERIAL receives components along r, z and hoop",
         "REF NODE" refused "generalised plane strain is not axisymmetric",
         "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
     } refused {

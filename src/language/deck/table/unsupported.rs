@@ -142,7 +142,6 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Activation of elements": "ACTIVATE ELEMENTS", "ELEMENT PROGRESSIVE ACTIVATION";
     "Refinement of Eulerian meshes": "ADAPTIVE MESH REFINEMENT";
     "Nodes moved to a surface": "ADJUST";
-    "Anisotropic rubber": "ANISOTROPIC HYPERELASTIC";
     "Fluid around slender structures": "AQUA";
     "Axial behaviour of beams": "AXIAL";
     "Inertia of beams": "BEAM ADDED INERTIA";

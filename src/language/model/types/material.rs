@@ -126,8 +126,10 @@ pub struct FoamDefinition {
 /// User subroutines called at the material points of a material.
 #[derive(Clone, Debug, Default)]
 pub struct UserDefinitions {
-    /// Properties of `*USER MATERIAL`.
+    /// Properties of `*USER MATERIAL`, or of `*ANISOTROPIC HYPERELASTIC`.
     pub material: Option<Vec<f64>>,
+    /// Strain energy of `*ANISOTROPIC HYPERELASTIC`.
+    pub energy: Option<AnisotropicEnergyCard>,
     /// Properties of `*USER DEFINED FIELD` and the source position.
     pub fields: Option<(Vec<f64>, Span)>,
     /// Properties of `*CHARACTERISTIC LENGTH, DEFINITION=USER` and the source position.
@@ -136,6 +138,16 @@ pub struct UserDefinitions {
     pub state: StateVariables,
     /// Names of state variables given by `*DEPVAR`; variables are counted from 0.
     pub state_names: Vec<(usize, String)>,
+}
+
+/// Strain energy of the invariants of a fibre-reinforced material (`*ANISOTROPIC HYPERELASTIC`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnisotropicEnergyCard {
+    /// Whether VUANISOHYPER_INV computes the energy (`USER`); otherwise it is that of Holzapfel, Gasser and Ogden, with the
+    /// constants C10, D, k1, k2 and kappa.
+    pub is_user: bool,
+    /// Families of fibres (`LOCAL DIRECTIONS`).
+    pub families: usize,
 }
 
 /// Thermal expansion (`*EXPANSION`): thermal strain relative to a reference temperature.

@@ -12,6 +12,8 @@ pub struct SolidSection {
     pub material: MaterialId,
     /// Section controls; the defaults if the deck gives none.
     pub controls: SectionControls,
+    /// Directions of fibres, unit vectors along r, z and hoop (`*ORIENTATION, LOCAL DIRECTIONS`).
+    pub fibres: Vec<[f64; 3]>,
     /// Source position of the keyword line.
     pub span: Span,
 }

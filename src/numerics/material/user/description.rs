@@ -1,5 +1,6 @@
 //! Data of materials that call user subroutines at their points.
 
+use super::energy::AnisotropicEnergy;
 use crate::kernel::lanes::inline_from_fn;
 use std::sync::Arc;
 
@@ -24,6 +25,8 @@ pub struct UserMaterialData {
     pub field_constants: Option<Vec<f64>>,
     /// Constants of VUCHARLENGTH (`*CHARACTERISTIC LENGTH, DEFINITION=USER`); `None` if it is not called.
     pub length_constants: Option<Vec<f64>>,
+    /// Strain energy of invariants, from which the stress follows.
+    pub energy: Option<AnisotropicEnergy>,
     /// Built-in elasticity and plasticity; `None` if the subroutine computes the stress.
     pub flow: Option<BuiltInPlasticity>,
     /// Temperature rise by inelastic work.

@@ -1,15 +1,17 @@
-//! Materials whose stress, yield stress or fields are computed by user subroutines (VUMAT, VUHARD, VUSDFLD): the state
-//! of their elements and its conversion to the arguments of a call.
+//! Materials whose stress, yield stress or fields are computed by user subroutines (VUMAT, VUANISOHYPER_INV, VUHARD,
+//! VUSDFLD): the state of their elements and its conversion to the arguments of a call.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
 
 pub mod description;
+pub mod energy;
 pub mod flow;
 pub mod lengths;
 pub mod points;
 
-use super::increment::{StrainIncrement, StressUpdate};
+use super::increment::{LEAST_MODULUS, StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn};
+use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::quad::{CornerGradient, gradient};
 use crate::kernel::rotation::{polar_decomposition, rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
@@ -29,8 +31,9 @@ pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
 /// A material that calls user subroutines at its points. With `FLOWS` elasticity and the return to the yield surface are
 /// built in, and its axes rotate with the spin of the material (Jaumann rate), as those of other built-in laws. Otherwise
-/// the subroutine computes the stress, and its axes rotate by R of the polar decomposition `F = R U` (Green-Naghdi rate).
-pub struct SubroutineMaterial<const FLOWS: bool> {
+/// the subroutine computes the stress, or with `ENERGY` the derivatives of a strain energy, and its axes rotate by R of the polar
+/// decomposition `F = R U` (Green-Naghdi rate).
+pub struct SubroutineMaterial<const FLOWS: bool, const ENERGY: bool = false> {
     /// Data that the deck defines for the subroutine.
     pub description: UserMaterialData,
     /// Names of the elements, for messages.
@@ -73,7 +76,8 @@ pub struct UserState {
     /// Field variables, and their nodal values.
     field: Vec<Lanes>,
     nodal_field: Vec<Lanes>,
-    /// Bulk and shear modulus: NaN before the first increment, empty if they are constant.
+    /// Bulk and shear modulus, for a strain energy the moduli of the fastest wave and of shear: NaN before the first increment,
+    /// empty if they are constant.
     moduli: Vec<Lanes>,
     /// Equivalent plastic strain and its increment; empty if the subroutine computes the stress.
     plastic: Vec<Lanes>,
@@ -167,9 +171,16 @@ pub trait PointCalls<S>: Send + Sync {
     fn bytes(&self) -> usize;
 }
 
-impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
+impl<const FLOWS: bool, const ENERGY: bool> Material for SubroutineMaterial<FLOWS, ENERGY> {
     type State = UserState;
-    const FLOW: PlasticFlow = if FLOWS { PlasticFlow::Deviatoric } else { PlasticFlow::Unknown };
+    const FLOW: PlasticFlow = if FLOWS {
+        PlasticFlow::Deviatoric
+    } else if ENERGY {
+        PlasticFlow::None
+    } else {
+        PlasticFlow::Unknown
+    };
+    const MODULI_VARY: bool = ENERGY;
     const FAILS: bool = true;
     const USES_SPIN: bool = true;
     const CALLS: bool = true;
@@ -177,7 +188,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
     fn initial_state(&self, start: &BlockStart) -> UserState {
         let material = &self.description;
         let (zero, unity) = ([0.0; LANES], [1.0; LANES]);
-        let varies = material.flow.as_ref().is_some_and(|flow| flow.elasticity.is_some());
+        let varies = ENERGY || material.flow.as_ref().is_some_and(|flow| flow.elasticity.is_some());
         let mut state = UserState {
             numbers: inline_from_fn(|l| {
                 let name = self.names.get(start.first + l.min(start.count - 1));
@@ -233,6 +244,9 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
             }
             stress.iter_mut().zip(new).for_each(|(list, value)| list[l] = value);
         }
+        if ENERGY {
+            return state.set_moduli(strain, update);
+        }
         if !state.moduli.is_empty() {
             // With varying moduli, the direction of plastic flow is that of the stress, not of a trial with the largest
             // moduli.
@@ -280,6 +294,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
     fn set(&self, state: &mut UserState, lane: usize, value: PointValue) -> bool {
         let put = |list: Option<&mut Lanes>, value: f64| list.map(|list| list[lane] = value).is_some();
         match value {
+            PointValue::Stress(_) if ENERGY => false,
             PointValue::Stress(stress) => {
                 state.stress.iter_mut().zip(stress).for_each(|(list, value)| list[lane] = value);
                 true
@@ -335,7 +350,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
     }
 }
 
-impl<const FLOWS: bool> SubroutineMaterial<FLOWS> {
+impl<const FLOWS: bool, const ENERGY: bool> SubroutineMaterial<FLOWS, ENERGY> {
     /// Deletes a point whose deletion variable is zero.
     fn delete(&self, state: &mut UserState, update: &mut StressUpdate, l: usize) {
         let Some(variable) = self.description.delete else { return };
@@ -351,6 +366,20 @@ impl<const FLOWS: bool> SubroutineMaterial<FLOWS> {
 }
 
 impl UserState {
+    /// Sets the moduli of a strain energy, that of the fastest wave without 4/3 of the shear modulus of the elements. A softening
+    /// material keeps a finite stable time increment.
+    fn set_moduli(&self, strain: &StrainIncrement, update: &mut StressUpdate) {
+        let ElasticModuli { bulk, shear } = strain.moduli;
+        let known = 4.0 / 3.0 * shear;
+        for l in 0..LANES {
+            let [modulus, of_shear] = [self.moduli[0][l], self.moduli[1][l]];
+            // Before the first increment the moduli are those of the initial configuration.
+            let [modulus, of_shear] = if modulus.is_nan() { [bulk + known, shear] } else { [modulus, of_shear] };
+            update.bulk[l] = modulus.max(LEAST_MODULUS * (bulk + known)) - known;
+            update.shear[l] = of_shear.max(LEAST_MODULUS * shear);
+        }
+    }
+
     /// Updates the geometry of a lane with an element.
     fn take_geometry(&mut self, l: usize, kinematics: &BlockKinematics<'_>) {
         let [r, z] = (kinematics.corners)(l);
@@ -489,7 +518,7 @@ fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
     }
 }
 
-impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
+impl<const FLOWS: bool, const ENERGY: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS, ENERGY> {
     fn arguments(&self, count: usize, integration_point: usize) -> PointArguments {
         PointArguments::new(&self.description, (count, integration_point), self.nodes)
     }
@@ -576,6 +605,9 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
             let context = PointContext { material, flow, heating: &material.heating, now, dt };
             return points.flow(context, user.hardening, returning);
         }
+        if let Some(energy) = &material.energy {
+            return points.call_energy((material, energy), user.energy, (now, dt));
+        }
         let Some(routine) = user.material else { return Ok(()) };
         points.call(material, routine, now, dt)?;
         if !material.heating.is_none() {
@@ -596,6 +628,9 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
         }
         if let (Some(properties), Some(routine)) = (&material.length_constants, user.lengths) {
             points.call_lengths(material, properties, routine, (now, 0.0))?;
+        }
+        if let Some(energy) = &material.energy {
+            return points.probe_energy((material, energy), user.energy, now).map(Some);
         }
         let Some(routine) = user.material else { return Ok(None) };
         points.show_fictitious();

@@ -2,6 +2,7 @@
 //! after the other.
 
 use super::description::UserMaterialData;
+use super::energy::EnergyArguments;
 use super::lengths::{ShownElements, above_zero};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
@@ -39,8 +40,8 @@ pub struct PointArguments {
     pub(super) count: usize,
     /// Number of the integration points, from 1.
     pub(super) integration_point: usize,
-    variables: usize,
-    fields: usize,
+    pub(super) variables: usize,
+    pub(super) fields: usize,
     /// Element numbers of the user.
     pub(super) elements: Vec<i32>,
     pub(super) coordinates: Vec<f64>,
@@ -56,12 +57,15 @@ pub struct PointArguments {
     pub(super) stress: OldAndNew,
     pub(super) state: OldAndNew,
     pub(super) field: OldAndNew,
-    /// Bulk and shear modulus: NaN before the first increment, empty if they are constant.
+    /// Bulk and shear modulus, for a strain energy the moduli of the fastest wave and of shear: NaN before the first increment,
+    /// empty if they are constant.
     pub(super) moduli: OldAndNew,
     pub(super) internal: OldAndNew,
     pub(super) inelastic: OldAndNew,
     /// Equivalent plastic strain; empty if the subroutine computes the stress.
     pub(super) plastic: OldAndNew,
+    /// Invariants and derivatives of a strain energy of invariants.
+    pub(super) energy: Option<Box<EnergyArguments>>,
     /// Whether a warning about a state variable that is not finite was given.
     warned: bool,
 }
@@ -87,7 +91,8 @@ impl PointArguments {
     pub fn new(material: &UserMaterialData, (count, integration_point): (usize, usize), nodes: usize) -> Self {
         let (variables, fields) = (material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
-        let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
+        let varies = material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) || material.energy.is_some();
+        let varying = if varies { count } else { 0 };
         let mut points = PointArguments {
             count,
             integration_point,
@@ -110,6 +115,7 @@ impl PointArguments {
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
+            energy: material.energy.as_ref().map(|energy| Box::new(EnergyArguments::new(energy, count))),
             warned: false,
         };
         points.coordinates[2 * count..].fill(f64::NAN);
@@ -376,7 +382,8 @@ impl PointArguments {
         let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
         let of_elements = self.shown.as_ref().map_or(0, ShownElements::bytes);
-        numbers.sum::<usize>() + 4 * elements.capacity() + of_elements
+        let of_energy = self.energy.as_deref().map_or(0, EnergyArguments::bytes);
+        numbers.sum::<usize>() + 4 * elements.capacity() + of_elements + of_energy
     }
 }
 

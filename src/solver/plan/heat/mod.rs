@@ -367,8 +367,8 @@ fn group_expansion(
         }
         return None;
     }
-    if material.hyperelastic.is_some() {
-        let finding = Diagnostic::error("P064", "*EXPANSION with *HYPERELASTIC is not supported");
+    if material.hyperelastic.is_some() || material.user.energy.is_some() {
+        let finding = Diagnostic::error("P064", "*EXPANSION with hyperelasticity is not supported");
         return report.refuse(finding.at(expansion.span, "here").help("remove one of the two cards"));
     }
     let detail = match expansion.rows.as_slice() {

@@ -15,8 +15,9 @@ use crate::material::user::SubroutineMaterial;
 use crate::material::user::description::{
     BuiltInPlasticity, FieldElasticity, MOST_DEPENDENCIES, UserMaterialData, YieldOverFields, YieldSource,
 };
+use crate::material::user::energy::{AnisotropicEnergy, HolzapfelEnergy};
 use crate::model::rates::rate_factor;
-use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVariables};
+use crate::model::{AnisotropicEnergyCard, MaterialDefinition, PlasticityModel, SolidSection, StateVariables};
 use crate::plan::queries::field_variables;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
@@ -40,6 +41,8 @@ fn flows_at_points(material: &MaterialDefinition) -> bool {
 enum UserLaw<'m> {
     /// The stress: material constants, and the name of the subroutine.
     Stress(&'m [f64], &'static str),
+    /// A strain energy, from which the stress follows: material constants, and its name.
+    Energy(&'m [f64], &'static str),
     /// The yield stress only; elasticity and flow are built in.
     Flow(YieldSource),
 }
@@ -47,19 +50,22 @@ enum UserLaw<'m> {
 /// Creates the element group of a material that is evaluated point by point.
 pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, elements, connectivity, nodes, .. } = *input;
-    let (law, moduli) = match &material.user.material {
-        Some(properties) => (UserLaw::Stress(properties, "vumat"), user_moduli(input, report)?),
-        None => user_flow(input, report)?,
+    let (law, moduli) = match (&material.user.material, material.user.energy) {
+        (Some(properties), None) => (UserLaw::Stress(properties, "vumat"), user_moduli(input, report)?),
+        (Some(properties), Some(AnisotropicEnergyCard { is_user, .. })) => {
+            let energy = if is_user { "vuanisohyper_inv" } else { "Holzapfel" };
+            (UserLaw::Energy(properties, energy), user_moduli(input, report)?)
+        }
+        (None, _) => user_flow(input, report)?,
     };
     let density = material.density?;
     require_field_routine(input, report)?;
-    let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
+    let takes_lengths = matches!(law, UserLaw::Stress(..)) || material.user.fields.is_some();
     require_length_routine(input, takes_lengths, report)?;
     let hourglass = hourglass_control(input, moduli, report)?;
     let bulk_viscosity = bulk_viscosity(model, false);
-    // The moduli of a user material are computed from its first call.
-    let user_stress = matches!(law, UserLaw::Stress(..));
-    let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
+    // The moduli of a user material or strain energy are computed from its first call.
+    let [bulk, shear] = if matches!(law, UserLaw::Flow(_)) { [moduli.bulk, moduli.shear] } else { [0.0; 2] };
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
     let heating = if model.is_adiabatic() || model.conducts_heat(section) {
         heating(material, density)
@@ -69,7 +75,7 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
     user_rows(input, &law, connectivity.element_type(), &constants, &heating, report);
     let StateVariables { count, delete } = material.user.state;
     let (properties, flow) = match law {
-        UserLaw::Stress(properties, _) => (properties.to_vec(), None),
+        UserLaw::Stress(properties, _) | UserLaw::Energy(properties, _) => (properties.to_vec(), None),
         UserLaw::Flow(yields) => {
             let elasticity = elasticity(input, report);
             (Vec::new(), Some(BuiltInPlasticity { bulk, shear, elasticity, yields }))
@@ -77,6 +83,7 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
     };
     let description = UserMaterialData {
         name: material.name.clone(),
+        energy: strain_energy(section, material, report)?,
         properties,
         variables: count,
         delete,
@@ -95,6 +102,8 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
     };
     let law = if description.flow.is_some() {
         SolidMaterial::UserFlow(SubroutineMaterial { description, names, nodes: nodes_of_elements })
+    } else if description.energy.is_some() {
+        SolidMaterial::UserEnergy(SubroutineMaterial { description, names, nodes: nodes_of_elements })
     } else {
         SolidMaterial::UserStress(SubroutineMaterial { description, names, nodes: nodes_of_elements })
     };
@@ -104,6 +113,30 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
         group.configure(GroupSetting::Records);
     }
     Some(group)
+}
+
+/// Returns the strain energy of a material with the fibres of a section, if it has one. Missing constants or directions are an
+/// error.
+fn strain_energy(
+    section: &SolidSection,
+    material: &MaterialDefinition,
+    report: &mut Report,
+) -> Option<Option<AnisotropicEnergy>> {
+    let Some(AnisotropicEnergyCard { is_user, families }) = material.user.energy else { return Some(None) };
+    let built_in = match material.user.material.as_deref() {
+        _ if is_user => Some(None),
+        Some(&[c10, d, k1, k2, kappa]) => Some(Some(HolzapfelEnergy { c10, d, k1, k2, kappa })),
+        _ => None,
+    };
+    let Some((built_in, fibres)) = built_in.zip(section.fibres.get(..families)) else {
+        let message = format!(
+            "material `{}` needs {families} directions of fibres, but its section has {}, or it lacks constants",
+            material.name,
+            section.fibres.len()
+        );
+        return report.refuse(Diagnostic::error("P041", message).at(section.span, "these elements deform"));
+    };
+    Some(Some(AnisotropicEnergy { fibres: fibres.to_vec(), built_in }))
 }
 
 /// Creates the element group of a user material in Rust. A missing card or constants that the law refuses are
@@ -157,17 +190,25 @@ pub fn law_group(
     report.refuse(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"))
 }
 
-/// Returns the provisional moduli of a user material, which are replaced after its first call. Missing or
+/// Returns the provisional moduli of a user material or strain energy, which are replaced after its first call. Missing or
 /// contradictory cards, or a missing subroutine, are errors.
 fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli> {
     let GroupInput { section, material, .. } = *input;
+    let (card, routine) = match material.user.energy {
+        None => ("*USER MATERIAL", Some("vumat")),
+        Some(AnisotropicEnergyCard { is_user, .. }) => {
+            ("*ANISOTROPIC HYPERELASTIC", is_user.then_some("vuanisohyper_inv"))
+        }
+    };
     let (code, message) = if material.density.is_none() {
         ("P013", format!("material `{}` has no *DENSITY", material.name))
     } else if let Some(other) = law_beside_user_material(material) {
-        ("P041", format!("material `{}` has {other} in addition to *USER MATERIAL", material.name))
+        ("P041", format!("material `{}` has {other} in addition to {card}", material.name))
     } else {
-        let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
-        report.require_routine(section.span, "section", &asks, "vumat")?;
+        if let Some(routine) = routine {
+            let asks = format!("material `{}` is user-defined ({card})", material.name);
+            report.require_routine(section.span, "section", &asks, routine)?;
+        }
         // Unit values: hourglass factors are multiplied by the moduli of the first call.
         return Some(ElasticModuli { bulk: 1.0, shear: 1.0 });
     };
@@ -254,13 +295,23 @@ fn user_rows(
     let name = &material.name;
     let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
     let variables = material.user.state.count;
-    let elasticity = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
-    let detail = format!("material {name}, {elasticity}, Jaumann rate");
+    let elasticity = match law {
+        UserLaw::Stress(..) => "user-defined, Jaumann rate",
+        UserLaw::Energy(..) => "rubber with fibres, total deformation",
+        UserLaw::Flow(_) => "elastic, Jaumann rate",
+    };
+    let detail = format!("material {name}, {elasticity}");
     report.ledger_row(section.span, "deformable elements", count, element_type, detail);
     match law {
         UserLaw::Stress(properties, who) => {
             let detail = format!("{who}: {} constants, {variables} state variables{heated}", properties.len());
             report.ledger_row(section.span, "user material", count, "points", detail);
+        }
+        UserLaw::Energy(properties, who) => {
+            let (constants, families) = (properties.len(), material.user.energy.map_or(0, |energy| energy.families));
+            let detail =
+                format!("{who}: {constants} constants, {variables} state variables, families of fibres: {families}");
+            report.ledger_row(section.span, "strain energy of fibres", count, "points", detail);
         }
         UserLaw::Flow(YieldSource::User(properties)) => {
             let detail = format!("vuhard: {} constants, {variables} state variables{heated}", properties.len());
