@@ -1,10 +1,8 @@
 //! General contact as pairs of surfaces: exterior surfaces of the bodies, inclusions, exclusions and property
 //! assignments.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::rc::Rc;
-
-use indexmap::IndexSet;
 
 use crate::deck::Span;
 use crate::kernel::lists::sorted_unique;
@@ -73,6 +71,7 @@ pub fn find_pairs(scene: Scene, report: &mut Report) -> Pairs {
         let general = step.general_contact.as_ref().map(|general| general_pairs(scene, general, report));
         let of_general = general.into_iter().flatten();
         let of_step: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(of_general).collect();
+        pairs.names.reserve(of_step.len());
         pairs.names.extend(of_step.iter().map(pair_name));
         pairs.by_step.push(Rc::new(of_step));
     }
@@ -414,19 +413,18 @@ pub fn general_row(general: &GeneralContact, context: &CurveContext, report: &mu
 
 fn add_general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report) -> usize {
     let general_pairs = || pairs.iter().filter(|p| p.general);
-    let (mut surfaces, mut previous) = (IndexSet::new(), None);
+    let (mut surfaces, mut names, mut previous) = (BTreeSet::new(), Vec::new(), None);
     for pair in general_pairs() {
         for (at, side) in pair.sides.iter().enumerate() {
             let is_analytical = pair.analytical.as_ref().is_some_and(|a| a.side == at);
             let surface = (&side.name, if is_analytical { " (analytical)" } else { "" });
             // The first surface of a pair is mostly that of the pair before.
-            if previous != Some(surface) {
-                surfaces.insert(surface);
+            if previous != Some(surface) && surfaces.insert(surface) {
+                names.push(format!("{}{}", surface.0, surface.1));
             }
             previous = if at == 0 { Some(surface) } else { previous };
         }
     }
-    let names: Vec<String> = surfaces.into_iter().map(|(name, kind)| format!("{name}{kind}")).collect();
     let mut detail = format!("surfaces {}", names.join(", "));
     detail += match general.detached_nodes {
         DetachedNodes::InContact => "",
