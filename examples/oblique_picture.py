@@ -33,12 +33,18 @@ def main(series, picture):
     for part in PARTS:
         reader.set_active_time_value(reader.time_values[round(part * (len(reader.time_values) - 1))])
         frames.append((reader.active_time_value, reader.read()[0]))
+    # The deck is in m, kg and s.
+    for _, frame in frames:
+        frame.cell_data["PRESSURE"] = 1e-6 * frame.cell_data["PRESSURE"]
     highest = max(frame.cell_data["PRESSURE"].max() for _, frame in frames)
     for column, (time, frame) in enumerate(frames):
         plotter.subplot(0, column)
-        plotter.add_mesh(frame, scalars="PRESSURE", clim=(0.0, highest), cmap="YlOrRd", show_scalar_bar=column == 0)
+        body = plotter.add_mesh(frame, scalars="PRESSURE", clim=(0.0, highest), cmap="YlOrRd", show_scalar_bar=False)
         plotter.add_mesh(front(series, 3.0 * frame.length / 2.0), color="tan", opacity=0.45)
-        plotter.add_text(f"time {time:.3g}", font_size=11, color="black")
+        if column == 1:
+            bar = {"vertical": False, "position_x": 0.1, "position_y": 0.04, "width": 0.8, "height": 0.06}
+            plotter.add_scalar_bar("PRESSURE, MPa", mapper=body.mapper, n_labels=4, fmt="%.0f", title_font_size=18, label_font_size=16, **bar)
+        plotter.add_text(f"{1e6 * time:.0f} µs", font_size=11, color="black")
         plotter.camera_position = [(0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)]
         plotter.camera.azimuth = 12.0
         plotter.camera.elevation = 8.0

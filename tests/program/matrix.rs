@@ -192,7 +192,7 @@ fn clocks_that_jump_change_nothing() {
 
 /// Draws the pressure of the last frame.
 fn pressure_picture(folder: &Path) -> Result<Drawing, ReportError> {
-    let options = FieldOptions { field: "PRESSURE".into(), range: ColourRange::Frame, smooth: false };
+    let options = FieldOptions { field: "PRESSURE".into(), range: ColourRange::Frame, smooth: false, window: None };
     RunFrames::of(folder)?.drawing(None, &options)
 }
 

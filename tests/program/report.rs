@@ -202,6 +202,15 @@ fn pictures_of_frames_have_a_colour_bar_and_animations_all_frames() {
     assert!(plain.contains("PEEQ (0 to 2)") && plain.contains(">0.5<") && plain.contains(">1.5<"), "{plain}");
     let paths = |text: &str| text.matches("<path").count();
     assert!(paths(&svg(&["--smooth", "--range", "run"])) > 8 * paths(&plain));
+    // A window of 2 x 10 mm is drawn five times as high as wide, with marks up to 10 mm.
+    let part = svg(&["--window", "0..10e-3,1e-3"]);
+    let size = |text: &str, name: &str| -> f64 {
+        let (_, rest) = text.split_once(&format!("{name}=\"")).expect("a size");
+        rest.split('"').next().and_then(|number| number.parse().ok()).expect("a number")
+    };
+    let (_, clip) = part.split_once("<clipPath").expect("a plot");
+    let ratio = size(clip, "height") / size(clip, "width");
+    assert!((ratio.max(1.0 / ratio) - 5.0).abs() < 0.01 && part != plain, "{ratio}");
     assert_eq!(draw(&["--field", "PEEQ", "--animate", &file("a.gif"), "--duration", "1"]).0, Some(0));
     let animation = std::fs::read(file("a.gif")).expect("an animation");
     // Each frame has a graphic control extension, here with a delay of 0.33 s.
@@ -210,6 +219,7 @@ fn pictures_of_frames_have_a_colour_bar_and_animations_all_frames() {
     assert!(animation.starts_with(b"GIF89a") && delays == [33; 3], "{delays:?}");
     for (arguments, word) in [
         (&["--field", "PEEQ", "--range", "2..1"][..], "LOW..HIGH"),
+        (&["--field", "PEEQ", "--window", "1..0,1"], "LOW..HIGH,R"),
         (&["--field", "PEEQ", "--animate", "a.mp4"], ".gif"),
         (&["--field", "PEEQ", "--animate", "a.gif", "--duration", "0"], "--duration 0"),
     ] {

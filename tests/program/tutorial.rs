@@ -6,6 +6,7 @@ use std::process::Command;
 
 use crate::common::project;
 use crate::extending::copy_folder;
+use crate::manual::compare_picture;
 use crate::python::environment;
 use crate::vtk::python;
 
@@ -89,10 +90,22 @@ fn files(page: &str) -> Vec<(String, String)> {
     given.collect()
 }
 
-/// Returns the quantities of a text, its lines `NAME = NUMBER`.
-fn quantities(text: &str) -> Vec<(String, f64)> {
-    let lines = text.lines().filter_map(|line| line.rsplit_once(" = "));
-    lines.filter_map(|(name, number)| Some((name.to_owned(), number.parse::<f64>().ok()?))).collect()
+/// Returns whether a line of a page is the beginning of a printed line. Numbers have the digits of the page; those of a run
+/// may have more, by which they are rounded.
+fn is_printed(quoted: &str, printed: &str) -> bool {
+    let equals = |(quoted, printed): (&str, &str)| {
+        let rounded = |number: f64| {
+            let decimals = quoted.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+            format!("{number:.decimals$}")
+        };
+        let is_plain = quoted.parse::<f64>().is_ok() && !quoted.contains('e');
+        quoted == printed || is_plain && printed.parse().is_ok_and(|number| rounded(number) == quoted)
+    };
+    printed.lines().any(|line| {
+        let [mut quoted, mut printed] =
+            [quoted, line].map(|line| line.split([' ', ',']).filter(|word| !word.is_empty()));
+        quoted.all(|word| printed.next().is_some_and(|other| equals((word, other))))
+    })
 }
 
 /// Returns the program that a command line of a page starts; `None` for lines that are no command.
@@ -107,8 +120,8 @@ fn program(line: &str, python: Option<&Path>) -> Option<Command> {
     Some(command)
 }
 
-/// Runs every page of `docs/tutorials` at the top of a copy of the decks; quantities in blocks marked `text` are those
-/// printed.
+/// Runs every page of `docs/tutorials` at the top of a copy of the decks; lines in blocks marked `text` are printed, digit by
+/// digit, and pictures are those that the commands draw.
 #[test]
 fn tutorials_run_as_written() {
     let fortran = Command::new("gfortran").arg("--version").output().is_ok();
@@ -116,6 +129,7 @@ fn tutorials_run_as_written() {
     let mut pages: Vec<_> = entries.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
     pages.sort();
     assert!(pages.len() >= 9, "{pages:?}");
+    let mut old = Vec::new();
     for path in pages {
         let page = fs::read_to_string(&path).expect("a page");
         let needs_python = page.contains("\n    python ");
@@ -139,14 +153,18 @@ fn tutorials_run_as_written() {
             assert!(output.status.success(), "{}: {line}: {message}", path.display());
             printed += &String::from_utf8_lossy(&output.stdout);
         }
-        let computed = quantities(&printed);
-        let quoted: String =
-            page.split("```text\n").skip(1).filter_map(|rest| Some(rest.split_once("```")?.0)).collect();
-        for (name, value) in quantities(&quoted) {
-            let agrees = |found: &(String, f64)| found.0 == name && (found.1 - value).abs() <= 1e-4 * value.abs();
-            assert!(computed.iter().any(agrees), "{}: {name} = {value}: {computed:?}", path.display());
+        let blocks = page.split("```text\n").skip(1).filter_map(|rest| Some(rest.split_once("```")?.0));
+        let others = blocks.flat_map(str::lines).filter(|line| !is_printed(line, &printed));
+        old.extend(others.map(|line| format!("{}: `{line}` is not printed", path.display())));
+        let shown = page.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target);
+        let is_drawn = |name: &&str| name.ends_with(".png") && !name.contains('/') && !name.starts_with("editor-");
+        for name in shown.filter(is_drawn) {
+            let written = [folder.path().join(name), folder.path().join("out/sweep").join(name)];
+            let drawn = written.iter().find(|path| path.is_file()).unwrap_or_else(|| panic!("{name} is not drawn"));
+            old.extend(compare_picture(drawn, &format!("tutorials/{name}")));
         }
     }
+    assert!(old.is_empty(), "{old:#?}");
 }
 
 /// Returns the indented block of a page that begins with some words.

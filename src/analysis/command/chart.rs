@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::output;
 use crate::output::animation::Animation;
 use crate::report::filter::CutoffFrequency;
-use crate::report::meridian::{ColourRange, FieldOptions, RunFrames};
+use crate::report::meridian::{ColourRange, FieldOptions, PictureWindow, RunFrames};
 use crate::report::picture::{self, ComparedChart};
 use crate::report::{PageOptions, QuantityLabels};
 use clap::{ArgGroup, Args};
@@ -48,6 +48,9 @@ pub struct ChartCommand {
     /// Range of the colours: frame, run (all frames) or LOW..HIGH [default: frame; of an animation: run].
     #[arg(long, requires = "field", value_name = "RANGE", allow_hyphen_values = true)]
     range: Option<ColourRange>,
+    /// Part of the plane to show: smallest and largest z, and largest r, for example -20..5,12.
+    #[arg(long, requires = "field", value_name = "LOW..HIGH,R", allow_hyphen_values = true)]
+    window: Option<PictureWindow>,
     /// Average element values at the nodes and interpolate them.
     #[arg(long, requires = "field")]
     smooth: bool,
@@ -94,7 +97,8 @@ impl ChartCommand {
     }
 
     fn field_options(&self, field: &str, range: ColourRange) -> FieldOptions {
-        FieldOptions { field: field.to_owned(), range: self.range.unwrap_or(range), smooth: self.smooth }
+        let (range, smooth, window) = (self.range.unwrap_or(range), self.smooth, self.window);
+        FieldOptions { field: field.to_owned(), range, smooth, window }
     }
 
     fn animate(&self, file: &Path, field: &str) -> Result<CommandStatus, Box<dyn Error>> {

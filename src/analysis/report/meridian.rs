@@ -49,6 +49,8 @@ pub struct FieldOptions {
     pub range: ColourRange,
     /// Whether values of elements are averaged at the nodes and interpolated.
     pub smooth: bool,
+    /// Part of the plane that is shown; `None` shows all.
+    pub window: Option<PictureWindow>,
 }
 
 /// Range of values of the colours.
@@ -75,6 +77,27 @@ impl std::str::FromStr for ColourRange {
                 ends.map(ColourRange::Given).ok_or("expected frame, run or LOW..HIGH".into())
             }
         }
+    }
+}
+
+/// Part of the r-z plane that a picture shows, in the units of the deck.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureWindow {
+    /// Smallest z, largest z, and largest r.
+    region: [f64; 3],
+}
+
+impl std::str::FromStr for PictureWindow {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<PictureWindow, String> {
+        let region = || {
+            let (ends, reach) = text.split_once(',')?;
+            let (low, high) = ends.split_once("..")?;
+            Some([low.parse().ok()?, high.parse().ok()?, reach.parse().ok()?])
+        };
+        let is_area = |&[low, high, reach]: &[f64; 3]| low < high && reach > 0.0 && (high - low + reach).is_finite();
+        region().filter(is_area).map(|region| PictureWindow { region }).ok_or("expected LOW..HIGH,R".into())
     }
 }
 
@@ -127,7 +150,7 @@ impl RunFrames {
             let run = self.limits(options)?.1;
             range = if options.range == ColourRange::Run { run } else { range };
         }
-        let view = PictureView::of(picture.bounds(), first);
+        let view = PictureView::of(picture.bounds(), first, options.window);
         Ok(self.draw(number, &picture, view, options, range))
     }
 
@@ -142,7 +165,7 @@ impl RunFrames {
         take: &mut dyn FnMut(&Drawing) -> Result<(), String>,
     ) -> Result<(), ReportError> {
         let (extent, run) = self.limits(options)?;
-        let view = PictureView::of(extent, bounds(&self.read(1)?.points));
+        let view = PictureView::of(extent, bounds(&self.read(1)?.points), options.window);
         for number in 1..=self.series.len() {
             let frame = self.read(number)?;
             let picture = FramePicture::of(&frame, options);
@@ -304,10 +327,12 @@ struct PictureView {
 }
 
 impl PictureView {
-    /// Creates the view of coordinates with the given bounds. The longer side of the first frame is horizontal.
-    fn of([low, high]: [[f64; 2]; 2], first: [[f64; 2]; 2]) -> PictureView {
+    /// Creates the view of coordinates with the given bounds, or of a window. The longer side of the first frame is
+    /// horizontal.
+    fn of([low, high]: [[f64; 2]; 2], first: [[f64; 2]; 2], window: Option<PictureWindow>) -> PictureView {
         let size = f64::max(high[1] - low[1], 2.0 * high[0]);
-        let region = [low[1] - SPACE * size, high[1] + SPACE * size, f64::max(high[0] + SPACE * size, 0.12 * size)];
+        let whole = [low[1] - SPACE * size, high[1] + SPACE * size, f64::max(high[0] + SPACE * size, 0.12 * size)];
+        let region = window.map_or(whole, |window| window.region);
         let z_is_horizontal = first[1][1] - first[0][1] > 2.0 * first[1][0];
         let (along, across) = (region[1] - region[0], 2.0 * region[2]);
         let (wide, high) = if z_is_horizontal { (along, across) } else { (across, along) };
@@ -485,7 +510,10 @@ impl FrameCanvas<'_> {
         }
         let power = axis::title("", "", exponent);
         let name = if power.is_empty() { field.to_owned() } else { format!("{field}, {power}") };
-        let text = format!("{name} ({} to {})", number(low), number(high));
+        // A smallest value that differs from zero by rounding is shown as zero.
+        let rounding = 1e-12 * low.abs().max(high.abs());
+        let [low, high] = [low, high].map(|value| number(if value.abs() < rounding { 0.0 } else { value }));
+        let text = format!("{name} ({low} to {high})");
         drawing.label(TextLabel::new([MARGIN[0] + BAR[0] + 24.0, y + 12.0], TextAnchor::Start, text));
     }
 }

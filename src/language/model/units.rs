@@ -51,6 +51,10 @@ const DENSE: f64 = 3000.0;
 const DENSE_SPEED: f64 = 500.0;
 /// Range of the square root of yield stress over density, m/s: 0.1 MPa of loose soil gives 7, 5 GPa of a ceramic 1200.
 const STRENGTH_SPEEDS: [f64; 2] = [1.0, 3000.0];
+/// Density above which a target is neither soil nor concrete, kg/m3, and the least square root of its yield stress over its
+/// density, m/s: soft lead of 5 MPa gives 21.
+const DENSE_TARGET: f64 = 2500.0;
+const DENSE_STRENGTH_SPEED: f64 = 15.0;
 
 impl UnitSystem {
     /// Converts a density to kg/m3.
@@ -74,7 +78,9 @@ impl UnitSystem {
     /// Returns whether density and yield stress are plausible for a target.
     pub fn fits_target(&self, density: f64, yield_stress: f64) -> bool {
         let speed = self.speed((yield_stress / density).sqrt());
-        within(self.density(density), DENSITIES) && within(speed, STRENGTH_SPEEDS)
+        let density = self.density(density);
+        let is_strong_enough = density <= DENSE_TARGET || speed > DENSE_STRENGTH_SPEED;
+        within(density, DENSITIES) && within(speed, STRENGTH_SPEEDS) && is_strong_enough
     }
 
     /// Returns the names in the form of `*UNITS`.

@@ -864,8 +864,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         };
         if let Some(planned) = prepared.plan.ranges.iter().find(is_same) {
             let basis = planned.range.quantity.basis();
-            ledger
-                .add_result(planned.row, &format!("{:.1} % of {basis} beyond {}", 100.0 * share.share, share.quantity));
+            let change = share.change.map(|change| format!(" (flow stress changed by {:.1} %)", 100.0 * change));
+            let beyond = format!("{:.1} % of {basis} beyond {}", 100.0 * share.share, share.quantity);
+            ledger.add_result(planned.row, &(beyond + &change.unwrap_or_default()));
         }
     }
     // The following rows are those of the last mesh.

@@ -147,6 +147,10 @@ pub struct RangeShare {
     pub upper: Option<f64>,
     /// Share of mass times time beyond the range; for strain rates of mass times plastic strain.
     pub share: f64,
+    /// Mean change of the flow stress by extrapolation, relative to the flow stress at the limit, with the same weights;
+    /// `None` for quantities other than strain rate and temperature.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
     /// Smallest and largest value found, of elements that flow plastically for strain rates.
     pub extremes: [f64; 2],
 }

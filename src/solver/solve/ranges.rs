@@ -13,8 +13,8 @@ use crate::variables::Variable;
 /// Largest number of increments between samples. Samples do not coincide with other checks.
 const SAMPLE_EVERY: u64 = 16;
 
-/// Share beyond the range above which a warning is issued. It is the limit of hourglass energy and of energy lost in contact:
-/// a smaller share hardly changes integral results.
+/// Mean change of the flow stress by extrapolation, or share beyond the range, above which a warning is issued. It is the
+/// limit of hourglass energy and of energy lost in contact: a smaller one hardly changes integral results.
 const NOTABLE: f64 = 0.05;
 
 /// Sums over the samples of a range.
@@ -23,6 +23,8 @@ struct RangeSums {
     /// Weight beyond the range, and total weight.
     beyond: f64,
     total: f64,
+    /// Sum of weight times change of the flow stress by extrapolation.
+    changed: f64,
     /// Smallest and largest value so far; meaningless while `total` is zero.
     extremes: [f64; 2],
     /// Farthest value beyond the range, its distance from the range, place and total time.
@@ -75,29 +77,40 @@ impl RangeMonitor {
         for (planned, sums) in run.plan.ranges.iter().zip(&self.sums).filter(|(_, sums)| sums.total > 0.0) {
             let (range, name) = (&planned.range, planned.range.quantity.name());
             let share = sums.beyond / sums.total;
+            let change = range.quantity.is_argument_of_flow_stress().then_some(sums.changed / sums.total);
             outcome.ranges.push(RangeShare {
                 material: planned.material.clone(),
                 quantity: name,
                 lower: Some(range.low).filter(|limit| limit.is_finite()),
                 upper: Some(range.high).filter(|limit| limit.is_finite()),
                 share,
+                change,
                 extremes: sums.extremes,
             });
-            let basis = range.quantity.basis();
-            if share > NOTABLE {
-                let [r, z] = sums.place;
-                outcome.warn("R324", format!(
-                    "material {} is beyond the range of its constants for {:.1} % of its {basis}: {name} {:.4e}, allowed {}, \
-                     near (r = {r:.4e}, z = {z:.4e}) at time {:.4e}. Results there are extrapolated: give constants that \
-                     hold there, or extend *MATERIAL RANGE if a source confirms it",
-                    planned.material,
-                    100.0 * share,
-                    sums.farthest,
-                    range.limits(),
-                    sums.time
-                ));
+            if change.unwrap_or(share) > NOTABLE {
+                outcome.warn("R324", sums.warning(planned, change));
             }
         }
+    }
+}
+
+impl RangeSums {
+    fn warning(&self, planned: &PlannedRange, change: Option<f64>) -> String {
+        let ([r, z], range, percent) = (self.place, &planned.range, |share: f64| format!("{:.1} %", 100.0 * share));
+        let effect = change.map(|change| format!(", which changes the flow stress by {} on average", percent(change)));
+        format!(
+            "material {} is beyond the range of its constants for {} of its {}{}: {} {:.4e}, allowed {}, near (r = {r:.4e}, \
+             z = {z:.4e}) at time {:.4e}. Results there are extrapolated: give constants that hold there, or extend \
+             *MATERIAL RANGE if a source confirms it",
+            planned.material,
+            percent(self.beyond / self.total),
+            range.quantity.basis(),
+            effect.unwrap_or_default(),
+            range.quantity.name(),
+            self.farthest,
+            range.limits(),
+            self.time
+        )
     }
 }
 
@@ -137,6 +150,9 @@ fn add_sample(
         let distance = (value - range.high).max(range.low - value);
         if distance > 0.0 {
             sums.beyond += weight;
+            let temperature = sampled_value(RangedQuantity::Temperature, run, group, element).unwrap_or(f64::NAN);
+            let change = planned.change_of_flow_stress(value, plastic_strain(group, element), temperature);
+            sums.changed += weight * change;
             if distance > sums.distance {
                 (sums.distance, sums.farthest, sums.time) = (distance, value, run.now.total_time);
                 sums.place = place(run, group, element);

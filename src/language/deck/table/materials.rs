@@ -315,7 +315,7 @@ values: [f64; 2] = [
 /// Words of the quantities of `*MATERIAL RANGE`, in the order of `RangedQuantity`.
 const RANGED: &[&str] = &["STRAIN RATE", "TEMPERATURE", "PRESSURE", "PLASTIC STRAIN"];
 
-card!(MaterialRange: extension "MATERIAL RANGE", "Range in which the constants of the material hold, from their source. It does not change the results: the ledger lists the share of mass and time beyond it, with a warning and the verdict `suspect` above 5 %", (once below "MATERIAL"), {
+card!(MaterialRange: extension "MATERIAL RANGE", "Range in which the constants of the material hold, from their source. It does not change the results: the ledger lists the share of mass and time beyond it. The verdict is `suspect` if the flow stress is extrapolated by more than 5 % on average, or if 5 % are beyond a range of pressure or plastic strain", (once below "MATERIAL"), {
 }, rows: Vec<[f64; 3]> = [(rows [
     "quantity" (word(RANGED).required()) "STRAIN RATE: rate of the plastic strain, weighted by the plastic strain in place of time; TEMPERATURE; PRESSURE, positive in compression; PLASTIC STRAIN",
     "lower limit" (NUMBER) "Default: none",

@@ -424,6 +424,11 @@ impl RangedQuantity {
         }
     }
 
+    /// Returns whether the flow stress of a metal is a function of the quantity that is known beyond the range.
+    pub fn is_argument_of_flow_stress(self) -> bool {
+        matches!(self, RangedQuantity::StrainRate | RangedQuantity::Temperature)
+    }
+
     /// Returns the name of the quantity over which shares are weighted.
     pub fn basis(self) -> &'static str {
         if self == RangedQuantity::StrainRate { "mass and plastic strain" } else { "mass and time" }

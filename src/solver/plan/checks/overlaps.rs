@@ -124,7 +124,10 @@ fn contacts_of(model: &Model, links: &Links, pairs: &Pairs, parts: &[ConnectedPa
     let pairs = (0..pairs.by_step.len()).filter(is_new).flat_map(|step| pairs.by_step[step].iter());
     for (contact, index) in pairs.zip(0..) {
         for (side, lists) in contact.sides.iter().zip(&mut contacts.pairs) {
-            let on_side: Vec<u32> = sorted_unique(side.faces.iter().filter_map(|face| part_of[face.0]));
+            let mut previous = None;
+            // Most sides belong to one part.
+            let parts = side.faces.iter().filter_map(|face| part_of[face.0]);
+            let on_side: Vec<u32> = sorted_unique(parts.filter(|&part| previous.replace(part) != Some(part)));
             on_side.into_iter().for_each(|part| lists[part as usize].push(index));
         }
     }

@@ -38,7 +38,8 @@ pub struct ContactGeometry {
     /// Maximum and mean facet length of each curve, and whether it has deformable nodes.
     pub lengths: Vec<[f64; 2]>,
     pub deforms: Vec<bool>,
-    by_name: FxHashMap<(String, bool), usize>,
+    /// Curves of a surface: with the thickness of shells, and without it.
+    by_name: FxHashMap<String, [Option<usize>; 2]>,
     pub analyticals: Vec<AnalyticalSurface>,
     /// Fronts of the analytical surfaces.
     pub fronts: Vec<AnalyticalFront>,
@@ -132,8 +133,8 @@ pub fn add_curve(
 ) -> Option<usize> {
     let scene = context.input.scene;
     let sides = &contact.sides[which];
-    let key = (sides.name.clone(), contact.no_thickness);
-    if let Some(&known) = geometry.by_name.get(&key) {
+    let variant = usize::from(contact.no_thickness);
+    if let Some(known) = geometry.by_name.get(&sides.name).and_then(|curves| curves[variant]) {
         return Some(known);
     }
     let (mut facets, mut lifts) = (Vec::new(), Vec::new());
@@ -180,7 +181,7 @@ pub fn add_curve(
         contact.general && shell_section(scene.model, facets[0].1).is_none() && has_both_sides(sides, context.pairs);
     geometry.thicknesses.push(smallest_thickness(scene, &facet_elements));
     geometry.facet_elements.push(facet_elements);
-    geometry.by_name.insert(key, curve);
+    geometry.by_name.entry(sides.name.clone()).or_default()[variant] = Some(curve);
     Some(curve)
 }
 

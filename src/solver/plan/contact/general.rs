@@ -1,9 +1,9 @@
 //! General contact as pairs of surfaces: exterior surfaces of the bodies, inclusions, exclusions and property
 //! assignments.
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
-use indexmap::IndexSet;
 use rustc_hash::FxHashSet;
 
 use crate::deck::Span;
@@ -73,6 +73,7 @@ pub fn find_pairs(scene: Scene, report: &mut Report) -> Pairs {
         let general = step.general_contact.as_ref().map(|general| general_pairs(scene, general, report));
         let of_general = general.into_iter().flatten();
         let of_step: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(of_general).collect();
+        pairs.names.reserve(of_step.len());
         pairs.names.extend(of_step.iter().map(pair_name));
         pairs.by_step.push(Rc::new(of_step));
     }
@@ -286,8 +287,18 @@ fn secondary_of(sides: &[PairedSurface; 2], (domains, is_first): &(ContactDomain
 
 /// Returns the name of a pair: `A_B`, or `A` for self-contact.
 pub fn pair_name(contact: &SurfaceContact) -> String {
-    let [a, b] = [0, 1].map(|i| contact.sides[i].name.to_uppercase());
-    if a == b { a } else { format!("{a}_{b}") }
+    let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
+    let mut name = String::with_capacity(a.len() + 1 + b.len());
+    name.push_str(a);
+    if !a.eq_ignore_ascii_case(b) {
+        name.push('_');
+        name.push_str(b);
+    }
+    if name.is_ascii() {
+        name.make_ascii_uppercase();
+        return name;
+    }
+    name.to_uppercase()
 }
 
 /// Adds all pairs of surfaces and self-contact of each, except for the two sides of one shell.
@@ -404,14 +415,18 @@ pub fn general_row(general: &GeneralContact, context: &CurveContext, report: &mu
 
 fn add_general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report) -> usize {
     let general_pairs = || pairs.iter().filter(|p| p.general);
-    let mut surfaces = IndexSet::new();
+    let (mut surfaces, mut names, mut previous) = (BTreeSet::new(), Vec::new(), None);
     for pair in general_pairs() {
         for (at, side) in pair.sides.iter().enumerate() {
             let is_analytical = pair.analytical.as_ref().is_some_and(|a| a.side == at);
-            surfaces.insert((&side.name, if is_analytical { " (analytical)" } else { "" }));
+            let surface = (&side.name, if is_analytical { " (analytical)" } else { "" });
+            // The first surface of a pair is mostly that of the pair before.
+            if previous != Some(surface) && surfaces.insert(surface) {
+                names.push(format!("{}{}", surface.0, surface.1));
+            }
+            previous = if at == 0 { Some(surface) } else { previous };
         }
     }
-    let names: Vec<String> = surfaces.into_iter().map(|(name, kind)| format!("{name}{kind}")).collect();
     let mut detail = format!("surfaces {}", names.join(", "));
     detail += match general.detached_nodes {
         DetachedNodes::InContact => "",

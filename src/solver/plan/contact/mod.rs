@@ -80,7 +80,7 @@ pub fn contact_constraint(
             continue;
         }
         pair.initial_clearance = initial_clearance(contact, length);
-        pair.name = pair_name(contact);
+        pair.name = input.pairs.names[pair.number].clone();
         if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
             heat_row(scene, contact, report);
         }

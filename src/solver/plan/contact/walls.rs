@@ -26,6 +26,9 @@ const MOST_STATIONS: usize = 16;
 
 /// Returns the oblique rigid body of a pair and its side (0 or 1).
 pub fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, usize)> {
+    if !bodies.list.iter().any(|body| body.spatial) {
+        return None;
+    }
     let spatial = |body: &usize| bodies.list[*body].spatial;
     let of_side = |side: usize| {
         let faces = pair.sides[side].faces.iter();
