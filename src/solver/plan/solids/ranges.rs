@@ -31,7 +31,7 @@ pub struct PlannedRange {
 
 impl PlannedRange {
     /// Returns the change of the flow stress by extrapolation, relative to the flow stress at the limit of the range; 0 within
-    /// the range, and for pressure and plastic strain. `temperature` may be NaN for a law without it. Equation (6.23).
+    /// the range, and for pressure and plastic strain. `temperature` may be NaN for a law without it. Equation (6.25).
     pub fn change_of_flow_stress(&self, value: f64, plastic_strain: f64, temperature: f64) -> f64 {
         let limit = value.clamp(self.range.low, self.range.high);
         let (typical, at_limit, extrapolated) = match self.range.quantity {
