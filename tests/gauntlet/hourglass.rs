@@ -10,7 +10,7 @@ cases! { "Hourglass":
         "ALLAE/ALLIE < 15 % (10x10 elements, singular loads), drift < 1 %";
     coarse_bending, "plate with two elements through the thickness",
         "deflection of the clamped plate (with shear) within 2 % on 20x2 and on 40x4, enhanced control";
-    slender_bending, "plate of elements of aspect three and seven: hourglass stiffness of a square",
+    slender_bending, "plate of elements with aspect ratios of three and seven: the hourglass stiffness must not be that of a square element",
         "deflection of the clamped plate (with shear) within 3 % on 12x4 and on 12x8, enhanced control";
     a_plate_that_flows, "plasticity through two and four rows of elements: hourglass control that never yields, or is too soft at hinges",
         "clamped, 15 MPa on Y = 300 MPa: deflection at rest on 20x2 and 40x4 within 4 % of 160x16 (17.38 mm), by default and ENHANCED";

@@ -165,7 +165,7 @@ fn too_little_memory_is_reported_or_ends_the_program() {
     let mut ended = 0;
     for command in COMMANDS {
         // With less memory the program itself is not loaded.
-        for kilobytes in [40_000, 41_000, 42_000, 45_000, 60_000, 90_000, 200_000] {
+        for kilobytes in [41_000, 42_000, 43_000, 46_000, 60_000, 90_000, 200_000] {
             let output = ran(scratch.path(), &format!("-v {kilobytes}"), command);
             sound(&output, &format!("{kilobytes} kB"), command);
             ended += usize::from(!output.status.success());

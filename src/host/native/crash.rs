@@ -3,7 +3,7 @@
 
 use std::ffi::c_int;
 use std::sync::Once;
-use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::call::report_failure;
 use super::{guard, stack};
@@ -47,8 +47,8 @@ stateNew(nblock,nstatev), not stateNew(nblock,*)\n";
 /// Whether a subroutine may have damaged memory, so that a later signal is attributed to it.
 static HURT: AtomicBool = AtomicBool::new(false);
 
-/// Number of the thread whose signal is reported; 0 before the first signal.
-static REPORTING: AtomicI32 = AtomicI32::new(0);
+/// The thread whose signal is reported; 0 before the first signal.
+static REPORTING: AtomicUsize = AtomicUsize::new(0);
 
 /// Milliseconds for the report of another thread.
 const REPORT: u32 = 5000;
@@ -58,7 +58,7 @@ const REPORT: u32 = 5000;
 fn begin_report() {
     // SAFETY: system calls that are safe in a signal handler.
     unsafe {
-        let own = libc::gettid();
+        let own = libc::pthread_self() as usize;
         let Err(first) = REPORTING.compare_exchange(0, own, Ordering::SeqCst, Ordering::SeqCst) else { return };
         if first == own {
             libc::write(2, DAMAGED.as_ptr().cast(), DAMAGED.len());
