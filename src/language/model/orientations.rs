@@ -72,7 +72,7 @@ pub fn check_fibres(context: &mut Context<'_>) {
     missing.into_iter().for_each(|diagnostic| context.diagnostics.push(diagnostic));
 }
 
-/// Reads a direction of fibres, in local directions that are rotated about one of them.
+/// Reads a direction of fibres. The local directions are rotated about the direction `axis`.
 fn fibre(
     context: &mut Context<'_>,
     line: &DataLine,

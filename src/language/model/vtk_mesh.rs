@@ -8,7 +8,7 @@ use super::mesh_data::{ListedMesh, MeshCell};
 /// Array that marks hidden cells (`vtkDataSetAttributes`).
 pub const BLANKING: &str = "vtkGhostType";
 
-/// The reason for grids without cells of their own.
+/// The reason for files without lists of cells, for example structured grids.
 pub(super) const NOT_A_MESH: &str = "it must be an unstructured grid or poly data";
 
 /// Points, cells and arrays of a VTK file.

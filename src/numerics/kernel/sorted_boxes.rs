@@ -75,17 +75,28 @@ impl SortedBoxes {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Returns a sequence of numbers between 0 and 1.
+    pub fn sequence() -> impl FnMut() -> f64 {
+        let mut seed = 7_u64;
+        move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 40) as f64 / (1_u64 << 24) as f64
+        }
+    }
+
+    /// Returns the boxes near another one by a comparison with every box.
+    pub fn compared(boxes: &[BoundingBox], query: BoundingBox, margin: f64) -> Vec<u32> {
+        let apart = |b: &BoundingBox| (0..2).any(|i| b[0][i] > query[1][i] + margin || b[1][i] < query[0][i] - margin);
+        (0..).zip(boxes).filter(|b| !apart(b.1)).map(|b| b.0).collect()
+    }
 
     /// The boxes that a search finds are those of a comparison with every box.
     #[test]
     fn search_finds_every_box_within_the_margin() {
-        let mut seed = 7_u64;
-        let mut next = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 40) as f64 / (1_u64 << 24) as f64
-        };
+        let mut next = sequence();
         let boxes: Vec<BoundingBox> = (0..300)
             .map(|_| bounding_box([[next(), 3.0 * next()], [next(), 3.0 * next()]].map(|p| [0.2 * p[0], p[1]])))
             .collect();
@@ -95,10 +106,7 @@ mod tests {
             let mut hits = Vec::new();
             sorted.near(*query, margin, |index| hits.push(index));
             hits.sort_unstable();
-            let apart =
-                |b: &BoundingBox| (0..2).any(|i| b[0][i] > query[1][i] + margin || b[1][i] < query[0][i] - margin);
-            let right: Vec<u32> = (0..).zip(&boxes).filter(|b| !apart(b.1)).map(|b| b.0).collect();
-            assert_eq!(hits, right);
+            assert_eq!(hits, compared(&boxes, *query, margin));
         }
     }
 }

@@ -339,15 +339,15 @@ impl RunCursor<'_, '_> {
 
     fn visit_with_head(&mut self, (routines, purpose): (&mut SavedMemory, SavedFor), archive: &mut StateArchive<'_>) {
         let step = self.run.current.now.step as usize - 1;
-        let mut head = CheckpointHead { step, routines: std::mem::take(routines), ..CheckpointHead::default() };
-        if purpose == SavedFor::Restart {
-            head.revisions = std::mem::take(&mut self.run.remesh.revisions);
-        }
+        let mut none = Vec::new();
+        let revisions = match purpose {
+            SavedFor::Restart => &mut self.run.remesh.revisions,
+            SavedFor::Rewind => &mut none,
+        };
+        let mut head =
+            CheckpointHead { step, routines: std::mem::take(routines), revisions: std::mem::take(revisions) };
         head.persist(archive);
-        *routines = head.routines;
-        if purpose == SavedFor::Restart {
-            self.run.remesh.revisions = head.revisions;
-        }
+        (*routines, *revisions) = (head.routines, head.revisions);
         self.visit(archive);
     }
 

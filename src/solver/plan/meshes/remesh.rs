@@ -53,6 +53,7 @@ pub struct RemeshedBody {
 
 /// User subroutines that continue on new meshes: their state is that of elements, amplitudes and points of loads.
 const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp", "vdload"];
+const UNCARRIED_ROUTINES: &str = "user subroutines other than VUMAT, VUHARD, VUSDFLD, VUAMP and VDLOAD";
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
@@ -213,7 +214,7 @@ fn excluded_by_model(scene: Scene, pairs: &Pairs, state: &State, report: &Report
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
     let exclusions = [
-        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDISP and VUCHARLENGTH"),
+        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), UNCARRIED_ROUTINES),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
         (elements.assembly.rings.is_some(), "WEIGHTING=AREA"),
         (!model.cohesive_sections.is_empty(), "cohesive elements"),
