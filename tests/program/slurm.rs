@@ -42,7 +42,7 @@ fn installed() -> bool {
     found
 }
 
-/// Returns a free port.
+/// Returns a port that is free now. Another program may take it before a daemon does: `SlurmCluster::start` tries again.
 fn port() -> u16 {
     TcpListener::bind("127.0.0.1:0").and_then(|own| own.local_addr()).expect("a port").port()
 }
@@ -61,6 +61,17 @@ fn host() -> String {
 impl SlurmCluster {
     /// Starts a controller and two nodes with this number of processors, which may exceed those of the machine.
     fn start(folder: &Path, processors: usize) -> SlurmCluster {
+        (1..=5)
+            .find_map(|attempt| {
+                let own = folder.join(format!("cluster-{attempt}"));
+                fs::create_dir(&own).expect("a folder");
+                SlurmCluster::start_once(&own, processors)
+            })
+            .expect("in five attempts a cluster all of whose daemons keep running")
+    }
+
+    /// Returns nothing if a daemon has ended before the nodes were idle, as it does where its port has been taken.
+    fn start_once(folder: &Path, processors: usize) -> Option<SlurmCluster> {
         let mut cluster = SlurmCluster { folder: folder.to_owned(), daemons: Vec::new() };
         let at = folder.display();
         fs::create_dir(folder.join("state")).expect("a folder");
@@ -105,10 +116,18 @@ impl SlurmCluster {
         cluster.daemon("controller", "slurmctld", &["-D", "-i"]);
         cluster.daemon("one", "slurmd", &["-D", "-N", "one"]);
         cluster.daemon("two", "slurmd", &["-D", "-N", "two"]);
-        cluster.wait_for("two idle nodes", || {
-            cluster.command_output("sinfo", &["-h", "-t", "idle", "-o", "%D"]).trim() == "2"
-        });
-        cluster
+        let begin = Instant::now();
+        while cluster.command_output("sinfo", &["-h", "-t", "idle", "-o", "%D"]).trim() != "2" {
+            assert!(begin.elapsed() < Duration::from_secs(120), "no two idle nodes in two minutes\n{}", cluster.logs());
+            let ended = |daemon: &mut Child| daemon.try_wait().expect("a daemon").is_some();
+            let name = cluster.daemons.iter_mut().find_map(|(name, daemon)| ended(daemon).then_some(*name));
+            if let Some(name) = name {
+                println!("{name} has ended\n{}", cluster.logs());
+                return None;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        Some(cluster)
     }
 
     fn daemon(&mut self, name: &'static str, program: &str, arguments: &[&str]) {
@@ -133,12 +152,15 @@ impl SlurmCluster {
         let begin = Instant::now();
         while !is_so() {
             if begin.elapsed() > Duration::from_secs(120) {
-                let log = |name: &str| fs::read_to_string(self.folder.join(name)).unwrap_or_default();
-                let logs = ["controller.log", "node-one.log", "node-two.log", "munge.log"].map(log).join("\n");
-                panic!("no {what} in two minutes\n{logs}");
+                panic!("no {what} in two minutes\n{}", self.logs());
             }
             std::thread::sleep(Duration::from_millis(100));
         }
+    }
+
+    fn logs(&self) -> String {
+        let log = |name: &str| fs::read_to_string(self.folder.join(name)).unwrap_or_default();
+        ["controller.log", "node-one.log", "node-two.log", "munge.log"].map(log).join("\n")
     }
 
     /// Submits a job and returns its number.
@@ -204,7 +226,7 @@ fn sweep_survives_a_killed_node() {
     let name = |path: &Path| path.to_str().expect("a name").to_owned();
     let (together, out) = (name(&together), name(&parts));
     // The program, slowed down on the node that is to be killed so that it is killed during its work.
-    let program = folder.path().join("bin/revolve");
+    let program = cluster.folder.join("bin/revolve");
     fs::create_dir(program.parent().expect("a folder")).expect("a folder");
     let waits = format!("[ \"$SLURMD_NODENAME\" != two ] || {{ touch '{out}.at_work'; sleep 600; }}");
     fs::write(&program, format!("#!/bin/sh\n{waits}\nexec '{}' \"$@\"\n", env!("CARGO_BIN_EXE_revolve")))
