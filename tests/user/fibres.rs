@@ -276,6 +276,32 @@ fn tension_of_cylinders_matches_the_closed_form() {
     }
 }
 
+/// The cylinder with axial fibres on new meshes, with the energy of a subroutine: uniform stress is moved without error.
+#[test]
+fn new_meshes_keep_the_stress_of_fibres() {
+    if !common::fortran("vuanisohyper_inv in Fortran") {
+        return;
+    }
+    let file = std::fs::read_to_string(common::project("input/vuanisohyper_fibres.f90")).expect("the example");
+    let routines = compiled(&file).expect("it compiles");
+    let (fibres, stretch): (&[[f64; 3]], f64) = (&[[0.0, 1.0, 0.0]], 1.3);
+    let energy = |f: &Matrix| energy_of_tissue(f, fibres);
+    let shape = |s: f64| [[s, 0.0, 0.0], [0.0, stretch, 0.0], [0.0, 0.0, s]];
+    let expected = stress(&shape(free_stretch(energy, shape, 0)), energy)[1];
+    let card = "*Remesh, elset=SOLID, frequency=20, angle=1., increment=0.9999\n*Amplitude, name=RISE";
+    let material = cards("user, formulation=invariant, properties=5", fibres);
+    let text = pulled_cylinder(&material, ("J1", 2, stretch))
+        .replace("*Amplitude, name=RISE", card)
+        .replace("*Element Output, elset=ONE\n S\n", "*Element Output, elset=SOLID, statistic=\"MIN, MAX\"\n S\n");
+    let (outcome, memory) = common::run(&text, &[], &routines);
+    assert_eq!(outcome.halt, None);
+    let meshes = outcome.new_meshes.iter().map(|meshes| meshes.count).sum::<u64>();
+    let errors =
+        ["MIN", "MAX"].map(|kind| last(&text, &routines, &memory, &format!("S22@SOLID:{kind}")) / expected - 1.0);
+    println!("{meshes} meshes: {errors:?}, drift {:.1e}", outcome.energy.drift);
+    assert!(meshes >= 10 && errors.iter().all(|error| error.abs() < 1e-3), "{errors:?}");
+}
+
 /// A bar that stretches by its inertia until its stiffening fibres stop it: the increments follow the stiffness, and the energy
 /// is kept.
 #[test]

@@ -149,6 +149,40 @@ fn friction_that_falls_with_slip_matches_the_energy_balance() {
     assert!(worst < 3e-3, "{worst}");
 }
 
+/// Friction mu (1 - s/l) of a slip s that each point sums in its state variable.
+struct Worn;
+
+impl UserFriction for Worn {
+    fn friction(&mut self, call: &FrictionCall<'_>, forces: &mut [f64], state: &mut [f64]) -> Result<(), LoadFailure> {
+        let (count, [mu, length]) = (call.nodes.len(), [call.properties[0], call.properties[1]]);
+        assert_eq!((call.variables, state.len()), (1, count));
+        for k in 0..count {
+            let slip = call.slip[3 * k];
+            state[k] += slip.abs();
+            let strength = mu * (1.0 - state[k] / length).max(0.0) * call.normal[k];
+            forces[2 * k] = -strength.min(call.stick[k]);
+        }
+        Ok(())
+    }
+}
+
+/// The state variables of points continue on new meshes: the velocity is that on the first mesh.
+#[test]
+fn state_of_friction_continues_on_new_meshes() {
+    let (mu, speed) = (0.1, 170.0 * 0.1 * PER_COEFFICIENT);
+    let deck = ring_on_shaft(8, &user(&[mu, speed * 85.0], 1), speed, 190.0);
+    let card = "*Remesh, elset=RING.SOLID, frequency=20, angle=1., increment=0.9999999\n*Surface Interaction";
+    let runs = ["*Remesh, automatic=NO\n*Surface Interaction", card].map(|cards| {
+        let routines = Routines::none().with_friction(Worn);
+        run_with(&deck.replacen("*Surface Interaction", cards, 1), &routines).whole()
+    });
+    let [first, last] = runs.each_ref().map(|ran| ran.momentum());
+    let meshes: u64 = runs[1].outcome.new_meshes.iter().map(|meshes| meshes.count).sum();
+    let friction = runs[1].outcome.energy.friction / runs[0].outcome.energy.friction - 1.0;
+    println!("{meshes} meshes: momentum {:.1e} apart, friction {friction:.1e}", last / first - 1.0);
+    assert!(meshes >= 4 && (last / first - 1.0).abs() < 2e-3 && friction.abs() < 1e-3, "{first} {last}");
+}
+
 /// Runs of files: with and without a separate process for the routine, and resumed from a checkpoint, have equal digests.
 #[test]
 fn isolated_and_resumed_runs_have_the_same_bits() {

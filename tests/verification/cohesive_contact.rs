@@ -27,7 +27,7 @@ fn pair(interaction: &str) -> String {
     format!("*Surface interaction, name=GLUE\n{interaction}*Contact pair, interaction=GLUE\n ABOVE, BELOW\n")
 }
 
-fn bonded() -> String {
+pub(super) fn bonded() -> String {
     pair(&format!("{BOND}{QUADS}{EVOLUTION}"))
 }
 
@@ -71,7 +71,7 @@ fn bonded_rings_transmit_uniform_tractions() {
 }
 
 /// Returns rings with these cards whose faces are pulled apart at the velocity 0.1.
-fn pulled(mesh: &str, control: &str) -> String {
+pub(super) fn pulled(mesh: &str, control: &str) -> String {
     format!(
         "{mesh}*Step\n*Dynamic, explicit{control}, 2.\n*Boundary\n LOW, 1, 2\n*Boundary, type=VELOCITY\n TOP, 2, 2, \
          0.1\n*Output, history, number interval=100\n*Energy output\n ALL\n*Node output, nset=TOP\n U, RF\n*End step\n"

@@ -63,6 +63,25 @@ fn mass_scaling_is_limited_to_its_element_set() {
     assert_near(added_mass_of(&scaled), 3.0 * THIN);
 }
 
+/// The thin elements gain the part b of the mass of all: their increment grows by the root of 1 + b MASS/THIN. A target that needs
+/// less mass is kept.
+#[test]
+fn budget_limits_the_added_mass() {
+    let plain = largest_increment_of(&run(&body_with("")).0);
+    for (card, every) in [("Fixed", ""), ("Variable", ", frequency=2")] {
+        let scaled = |dt: f64, budget: f64| {
+            run(&body_with(&format!("*{card} Mass Scaling, dt={dt:e}, budget={budget}{every}\n"))).0
+        };
+        for budget in [0.01, 0.2] {
+            let ran = scaled(100.0 * plain, budget);
+            let added = added_mass_of(&ran) / (budget * MASS);
+            let increment = largest_increment_of(&ran) / (plain * (1.0 + budget * MASS / THIN).sqrt());
+            assert!((1.0 - 1e-3..=1.0).contains(&added) && (increment - 1.0).abs() < 1e-5, "{added} {increment}");
+        }
+        assert_near(added_mass_of(&scaled(1.5 * plain, 0.5)), 1.25 * THIN);
+    }
+}
+
 #[test]
 fn each_scaling_type_reaches_the_target_increment() {
     let plain = largest_increment_of(&run(&body_with("")).0);

@@ -90,6 +90,29 @@ fn friction_of_a_pressed_ring_continues() {
     }
 }
 
+/// A ring whose gap of 0.02 mm to the mandrel is set to zero slides as the ring without a gap: the clearance continues at nodes
+/// between those that had it.
+#[test]
+fn initial_clearance_continues() {
+    let card = format!("*Remesh, elset=RING.SOLID, frequency=20, {EAGER}\n");
+    let touching = ring_on_mandrel(&card, "");
+    let pair = "*Clearance, cpset=P, value=0.\n*Contact Pair, cpset=P";
+    let apart = ring_on_mandrel(&card, "").replace("*Contact Pair", pair);
+    let moved = [format!("{INNER:e}, {:e}", 3.0 * LENGTH), format!("{INNER:e}, {:e}", -LENGTH)];
+    let apart = moved.iter().fold(apart, |deck, line| {
+        assert!(deck.contains(line), "{line}");
+        deck.replace(line, &line.replacen(&format!("{INNER:e}"), &format!("{:e}", INNER - 0.02), 1))
+    });
+    let [expected, ran] = [touching, apart].map(|deck| run(&deck).whole());
+    let [force, work] = ["CFN1@RING.SKIN_MANDREL.SKIN", "ALLFD"].map(|name| {
+        let [of, by] =
+            [&ran, &expected].map(|run| if name == "ALLFD" { last(run, name) } else { steady(run, name)[0] });
+        of / by - 1.0
+    });
+    println!("{} meshes: force {force:.1e}, friction {work:.1e}", new_meshes(&ran.outcome));
+    assert!(new_meshes(&ran.outcome) >= 4 && force.abs() < 5e-3 && work.abs() < 5e-3, "{force} {work}");
+}
+
 /// Soft contact with a linear and an exponential law, and penalty contact: the overlap and its energy continue. Frictional
 /// work within 1e-3 of that without new meshes, contact force within 0.2 %.
 #[test]

@@ -1,4 +1,5 @@
-//! New meshes together with temperatures, mass scaling, deletion of elements and soft contact.
+//! New meshes together with temperatures, mass scaling, deletion of elements, soft contact, and bonds and distortion control of
+//! other bodies.
 //!
 //! Goal: conservation of heat and mass over all new meshes, and the results of the mesh that follows the material. Source:
 //! conservation laws, and runs without the card. Tolerances are stated at each test.
@@ -9,10 +10,12 @@ use revolve::plan::State;
 use revolve::solve::Outcome;
 use revolve::user::Routines;
 
+use super::cohesive::{ELASTIC, QUADS, RING, layer, rings};
+use super::cohesive_contact::{bonded, pulled};
 use super::remeshing::{OFTEN, new_meshes, taylor};
 use super::remeshing_contact::{EAGER, last};
 use crate::common;
-use crate::common::bodies::{assembly, elastic, part, run as run_deck};
+use crate::common::bodies::{DeckRun, assembly, elastic, part, run as run_deck};
 
 /// A finished run with its states.
 struct BarRun {
@@ -300,4 +303,68 @@ fn prescribed_temperatures_continue() {
         assert!(grown.iter().all(|apart| apart.abs() < 1e-5), "{grown:?}");
         assert!(new_meshes(&ran.outcome) + changes > 0 || !cards.contains("elset") && in_step.is_empty());
     }
+}
+
+/// Runs rings whose faces move apart by a displacement beside a column that is pressed to .7 of its height, without and with new
+/// meshes of the column. The elements of the column are skewed, light, and longer than those of the rings, which determine increments and energies.
+fn beside_column(rings: &str, displacement: f64) -> [DeckRun; 2] {
+    let mut mesh = String::from("*Node\n");
+    for (j, i) in (0..9).flat_map(|j| (0..5).map(move |i| (j, i))) {
+        mesh += &format!(" {}, {}, {}\n", 9001 + 5 * j + i, 4.0 + 0.3 * i as f64 + 0.2 * j as f64, 0.3 * j as f64);
+    }
+    mesh += "*Element, type=CAX4R, elset=COLUMN\n";
+    for (j, i) in (0..8).flat_map(|j| (0..4).map(move |i| (j, i))) {
+        let a = 9001 + 5 * j + i;
+        mesh += &format!(" {}, {a}, {}, {}, {}\n", 9001 + 4 * j + i, a + 1, a + 6, a + 5);
+    }
+    mesh += "*Nset, nset=FOOT, generate\n 9001, 9005\n*Nset, nset=HEAD, generate\n 9041, 9045\n*Solid section, elset=COLUMN, \
+             material=LIGHT\n*Material, name=LIGHT\n*Density\n 1e-6,\n*Elastic\n 1e-2, 0.\n*Remesh, elset=COLUMN, frequency=20, increment=0., angle=";
+    let motion = format!("*Boundary, amplitude=RISE\n HEAD, 2, 2, -0.72\n TOP, 2, 2, {displacement}");
+    let deck = pulled(
+        &format!("*Amplitude, name=RISE, definition=SMOOTH STEP\n 0., 0., 2., 1.\n{rings}"),
+        ", element by element\n ",
+    )
+    .replacen(" LOW, 1, 2\n", " LOW, 1, 2\n FOOT, 2\n", 1)
+    .replacen("*Boundary, type=VELOCITY\n TOP, 2, 2, 0.1", &motion, 1);
+    ["0.1", "59."].map(|card| run_deck(&deck.replacen("*Step\n", &format!("{mesh}{card}\n*Step\n"), 1)).whole())
+}
+
+/// Returns the largest difference of the force on the outer ring, as a fraction of its largest value.
+fn forces_apart(runs: &[DeckRun; 2]) -> f64 {
+    let [alone, ran] = runs.each_ref().map(|run| run.column("RF2@300"));
+    let largest = alone.iter().map(|row| row[1].abs()).fold(0.0, f64::max);
+    alone.iter().zip(&ran).map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f64::max) / largest
+}
+
+/// Cohesive surfaces and elements between other bodies dissipate the fracture energy times their area, and the energy is balanced.
+/// Forces agree within 3 % of the largest one: the increments differ.
+#[test]
+fn bonds_of_other_bodies_continue() {
+    let evolution = "*Damage evolution, type=ENERGY\n 0.3,\n";
+    let elements = rings(5, 5) + &layer(100, 200, 5, &format!("{ELASTIC}{QUADS}{evolution}"));
+    for (kind, mesh) in [("surfaces", rings(2, 5) + &bonded()), ("elements", elements)] {
+        let runs = beside_column(&mesh, 0.2);
+        let (apart, [_, ran]) = (forces_apart(&runs), &runs);
+        let dissipated = last(ran, "ALLDMD") / (0.3 * RING) - 1.0;
+        println!(
+            "{kind}: {} meshes, dissipated {dissipated:.1e}, forces {apart:.1e} apart, drift {:.1e}",
+            new_meshes(&ran.outcome),
+            ran.outcome.energy.drift,
+        );
+        assert!(new_meshes(&ran.outcome) >= 3 && dissipated.abs() < 1e-5, "{dissipated}");
+        assert!(apart < 0.03 && ran.outcome.energy.drift < 5e-5, "{apart}");
+    }
+}
+
+/// Distortion control of another body, which carries its load, continues.
+#[test]
+fn distortion_control_of_other_bodies_continues() {
+    let mesh = rings(5, 5).replace("material=STEEL\n", "material=STEEL, controls=C\n")
+        + "*Section controls, name=C, distortion control=YES, length ratio=0.999\n*Tie, name=T\n BELOW, ABOVE\n";
+    let runs = beside_column(&mesh, -0.6);
+    let (apart, [_, ran]) = (forces_apart(&runs), &runs);
+    let meshes = new_meshes(&ran.outcome);
+    println!("{meshes} meshes: forces {apart:.1e} apart, drift {:.1e}", ran.outcome.energy.drift);
+    assert!(meshes >= 3 && last(ran, "ALLDC") > 0.0, "{meshes}");
+    assert!(apart < 1e-2 && ran.outcome.energy.drift < 1e-7, "{apart}");
 }

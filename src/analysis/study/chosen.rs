@@ -263,6 +263,7 @@ fn quantity(
         behaviour: estimate.map(|e| e.behaviour),
         mesh: mesh.bound,
         increment: increment.map(|change| 2.0 * change * coarsest / mesh.increments.max(1) as f64),
+        mass_scaling: None,
         noise: study.noise.as_ref().map(|noise| noise.uncertainty),
         input: None,
         inputs: Vec::new(),

@@ -33,6 +33,8 @@ const SHARE_OF_ENERGIES: f64 = 0.25;
 const LISTED_SHARES: usize = 3;
 /// Largest uncertainty of a value that counts as known, as a fraction of the value.
 const LARGEST_SHARE: f64 = 0.1;
+/// Largest expected cost of a run without mass scaling, relative to that with it.
+const UNSCALED_COST: f64 = 4.0;
 /// Number of perturbed runs.
 const NOISE_RUNS: usize = 4;
 
@@ -43,6 +45,8 @@ pub struct ModelTraits {
     pub sensitive: bool,
     /// Whether the model has deformable elements.
     pub deforms: bool,
+    /// Whether a step scales masses towards a stable time increment.
+    pub scales_masses: bool,
     /// Names of the columns of `*OUTPUT EXPRESSION`.
     pub expressions: Vec<String>,
 }
@@ -53,6 +57,7 @@ impl ModelTraits {
         ModelTraits {
             sensitive: is_sensitive(model),
             deforms: deforms(model),
+            scales_masses: model.scales_masses(),
             expressions: model.output.expressions.iter().map(|e| e.name.clone()).collect(),
         }
     }
@@ -122,6 +127,8 @@ pub struct QuantityUncertainty {
     pub mesh: Option<f64>,
     /// Uncertainty from the time increment, with order 1.
     pub increment: Option<f64>,
+    /// Effect of mass scaling: the change of a coarse mesh without it.
+    pub mass_scaling: Option<f64>,
     /// Noise: half-width of the 95 % interval over perturbed runs of the coarsest mesh.
     pub noise: Option<f64>,
     /// Half-width of the 95 % interval due to the random parameters, to first order.
@@ -170,6 +177,8 @@ enum CompanionPurpose {
     Noise,
     /// Factor on the increment.
     Increment(f64),
+    /// No mass scaling.
+    Unscaled,
     /// Index of the random parameter.
     Input(usize),
 }
@@ -282,7 +291,10 @@ fn coarser_runs(request: &UncertaintyRequest<'_>, missing: &mut Vec<String>) -> 
     // Of the ratio 2, which is the most common one.
     let mut reason = String::new();
     for ratios in RATIOS {
-        let each = |ratio: &u32| Some((*ratio, run(request, &[mesh_setting(request, *ratio)?], &[])));
+        let each = |ratio: &u32| {
+            let edits: Vec<ModelEdit> = scaled_targets(request, *ratio).into_iter().collect();
+            Some((*ratio, run(request, &[mesh_setting(request, *ratio)?], &edits)))
+        };
         let runs: Vec<_> = ratios.par_iter().filter_map(each).collect();
         if let Some(Err(error)) = runs.last().and_then(|run| run.1.first()).filter(|_| reason.is_empty()) {
             reason = error.to_string();
@@ -315,7 +327,12 @@ fn mesh_setting(request: &UncertaintyRequest<'_>, ratio: u32) -> Option<(String,
 /// Returns the companion runs on the coarsest mesh, the most useful ones first.
 fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<CompanionRun> {
     let mesh: Vec<_> = mesh_setting(request, ratio).into_iter().collect();
-    let companion_with = |purpose, edits, cost| CompanionRun { purpose, overrides: mesh.clone(), edits, cost };
+    let companion_with = |purpose, mut edits: Vec<ModelEdit>, cost| {
+        if purpose != CompanionPurpose::Unscaled {
+            edits.extend(scaled_targets(request, ratio));
+        }
+        CompanionRun { purpose, overrides: mesh.clone(), edits, cost }
+    };
     let mut runs = Vec::new();
     for (index, [low, high]) in request.inputs.map_or(Vec::new(), deviations).into_iter().enumerate() {
         for value in [low, high] {
@@ -336,7 +353,28 @@ fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<CompanionRun>
         change(&StudyParameter::Increment, text)
             .map(|edit| companion_with(CompanionPurpose::Increment(factor), vec![edit], f64::recip(factor))),
     );
+    if request.traits.scales_masses {
+        runs.push(companion_with(CompanionPurpose::Unscaled, vec![without_mass_scaling()], UNSCALED_COST));
+    }
     runs
+}
+
+/// Returns the edit of a mesh that is coarser by a ratio, after which mass scaling adds as much mass: larger targets. `None` without
+/// mass scaling.
+fn scaled_targets(request: &UncertaintyRequest<'_>, ratio: u32) -> Option<ModelEdit> {
+    let edit: ModelEdit = Box::new(move |model| {
+        let scalings = model.steps.iter_mut().flat_map(|step| &mut step.mass_scalings);
+        scalings.filter_map(|scaling| scaling.target.as_mut()).for_each(|target| target.1 *= f64::from(ratio));
+        Ok(())
+    });
+    request.traits.scales_masses.then_some(edit)
+}
+
+fn without_mass_scaling() -> ModelEdit {
+    Box::new(|model| {
+        model.steps.iter_mut().for_each(|step| step.mass_scalings.clear());
+        Ok(())
+    })
 }
 
 /// Returns name and value of each random parameter one standard deviation below and above its median, with the others
@@ -366,6 +404,7 @@ fn affordable(companions: Vec<CompanionRun>, limit: f64, missing: &mut Vec<Strin
             let part = match companion.purpose {
                 CompanionPurpose::Noise => "noise (all or some runs)",
                 CompanionPurpose::Increment(_) => "increment",
+                CompanionPurpose::Unscaled => "mass scaling",
                 CompanionPurpose::Input(_) => "input (all or some parameters)",
             };
             missing.push(format!("{part}: outside the budget"));
@@ -405,6 +444,7 @@ impl QuantityRuns<'_> {
             behaviour: mesh.map(|m| m.behaviour),
             mesh: mesh.map(|m| m.uncertainty),
             increment,
+            mass_scaling: self.changes(|p| p == CompanionPurpose::Unscaled).next().map(|(_, change)| change.abs()),
             noise: self.noise(),
             input: self.input(),
             inputs: self.input_shares(request),
@@ -490,8 +530,13 @@ impl QuantityRuns<'_> {
 }
 
 impl QuantityUncertainty {
-    fn parts(&self) -> [(&'static str, Option<f64>); 4] {
-        [("mesh", self.mesh), ("increment", self.increment), ("noise", self.noise), ("input", self.input)]
+    fn parts(&self) -> [(&'static str, Option<f64>); 5] {
+        let [mesh, increment, scaling] = self.numerical_parts();
+        [mesh, increment, scaling, ("noise", self.noise), ("input", self.input)]
+    }
+
+    fn numerical_parts(&self) -> [(&'static str, Option<f64>); 3] {
+        [("mesh", self.mesh), ("increment", self.increment), ("mass scaling", self.mass_scaling)]
     }
 
     pub(super) fn dominant_part(&self) -> Option<&'static str> {
@@ -499,9 +544,9 @@ impl QuantityUncertainty {
         known.max_by(|a, b| a.1.total_cmp(&b.1)).map(|part| part.0)
     }
 
-    /// Returns the sum of the numerical parts: mesh and increment; `None` if none is known.
+    /// Returns the sum of the numerical parts: mesh, increment and mass scaling; `None` if none is known.
     pub fn numerical(&self) -> Option<f64> {
-        let known: Vec<f64> = self.parts()[..2].iter().filter_map(|part| part.1).collect();
+        let known: Vec<f64> = self.numerical_parts().iter().filter_map(|part| part.1).collect();
         (!known.is_empty()).then(|| known.iter().sum())
     }
 
@@ -513,7 +558,7 @@ impl QuantityUncertainty {
         if traits.sensitive && self.noise.is_none() {
             return Some("noise is not estimated, and the model amplifies perturbations: a larger --budget".into());
         }
-        let total: f64 = self.parts()[..3].iter().filter_map(|part| part.1).sum();
+        let total = self.numerical().unwrap_or(0.0) + self.noise.unwrap_or(0.0);
         let is_large = total > LARGEST_SHARE * self.value.abs();
         is_large
             .then(|| format!("its uncertainty {} is more than {} % of the value", short(total), 100.0 * LARGEST_SHARE))
@@ -526,7 +571,7 @@ impl QuantityUncertainty {
         };
         let regions = if self.regions.is_empty() { String::new() } else { format!(": {}", list(&self.regions)) };
         let inputs = if self.inputs.is_empty() { String::new() } else { format!(" ({})", list(&self.inputs)) };
-        let named = self.parts().into_iter().take(3).filter_map(|(name, part)| {
+        let named = self.numerical_parts().into_iter().filter_map(|(name, part)| {
             Some(format!("{name} {}{}", short(part?), if name == "mesh" { &regions } else { "" }))
         });
         let more = [(self.noise, "noise", ""), (self.input, "input", &*inputs)];

@@ -449,8 +449,8 @@ impl ConsistencyCheck<'_> {
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
-            let fields = fields!(steps::FixedMassScaling: "FACTOR", "DT");
-            self.ranges(scaling.span, "", fields, [Some(scaling.factor), scaling.target.map(|t| t.1)]);
+            let fields = fields!(steps::FixedMassScaling: "FACTOR", "DT", "BUDGET");
+            self.ranges(scaling.span, "", fields, [Some(scaling.factor), scaling.target.map(|t| t.1), scaling.budget]);
         }
         for mesh in &step.adaptive {
             self.elements(mesh.span, &mesh.elements);

@@ -18,11 +18,11 @@ pub fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card
 
 fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling> {
     let elements = context.optional(card.value("ELSET"), Context::element_members)?;
-    let ((factor, dt, kind), rhythm) = if card.keyword.name == "FIXED MASS SCALING" {
-        let cards::FixedMassScaling { factor, dt, kind } = card.values();
-        ((factor, dt, kind), None)
+    let ((factor, dt, kind, budget), rhythm) = if card.keyword.name == "FIXED MASS SCALING" {
+        let cards::FixedMassScaling { factor, dt, kind, budget } = card.values();
+        ((factor, dt, kind, budget), None)
     } else {
-        let cards::VariableMassScaling { dt, kind, frequency, intervals } = card.values();
+        let cards::VariableMassScaling { dt, kind, frequency, intervals, budget } = card.values();
         let rhythm = match (frequency, intervals) {
             (Some(count), None) => ScalingSchedule::Increments(count as u64),
             (None, Some(count)) => ScalingSchedule::Intervals(count as u64),
@@ -31,7 +31,7 @@ fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling
                 return context.refuse_value(card.span, message);
             }
         };
-        ((None, dt, kind), Some(rhythm))
+        ((None, dt, kind, budget), Some(rhythm))
     };
     if factor.is_none() && dt.is_none() {
         let needs = if rhythm.is_none() { "FACTOR or DT" } else { "DT" };
@@ -42,5 +42,8 @@ fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling
     }
     let kind = [ScalingType::BelowMin, ScalingType::Uniform, ScalingType::SetEqual][kind];
     let target = dt.map(|dt| (kind, dt));
-    Some(MassScaling { span: card.span, elements, factor: factor.unwrap_or(1.0), target, schedule: rhythm })
+    if budget.is_some() && target.is_none_or(|(kind, _)| kind != ScalingType::BelowMin) {
+        return context.refuse_value(card.span, "BUDGET requires DT and TYPE=BELOW MIN");
+    }
+    Some(MassScaling { span: card.span, elements, factor: factor.unwrap_or(1.0), target, budget, schedule: rhythm })
 }

@@ -142,12 +142,37 @@ impl DistortionControl {
         }
     }
 
+    /// Continues the control of the same elements before a new mesh of a body without it.
+    pub(super) fn follow_new_mesh(&mut self, previous: &DistortionControl) {
+        self.time = previous.time;
+        self.list.iter_mut().zip(&previous.list).for_each(|(element, previous)| element.force = previous.force);
+    }
+
+    /// Starts a run, or continues after a new mesh of a body without control: the forces are those of the same instant before it.
+    fn start(&mut self, dofs: &mut Dofs, rate: &mut f64) {
+        if self.time == 0.0 {
+            self.time = 1.0 / *rate;
+            return;
+        }
+        let mut active = false;
+        for ControlledElement { corners, force, .. } in self.list.iter().filter(|e| e.force != [[0.0; 2]; 4]) {
+            active = true;
+            for (n, force) in corners.iter().zip(force) {
+                dofs.nodes.forces[0][*n as usize][0] += force[0];
+                dofs.nodes.forces[0][*n as usize][1] += force[1];
+            }
+        }
+        if active {
+            *rate *= CAUTION;
+        }
+    }
+
     /// Adds the control forces to the nodal forces. Their work over the previous increment, by the trapezoidal rule as
     /// for all nodal forces, has its own energy and is subtracted from the external work. `rate` is one over the time
     /// increment that elements allow.
     pub(super) fn add_forces(&mut self, dofs: &mut Dofs, alive: impl Fn((usize, usize)) -> bool, rate: &mut f64) {
         if dofs.nodes.previous_dt == 0.0 {
-            self.time = 1.0 / *rate;
+            self.start(dofs, rate);
             return;
         }
         let dt = dofs.nodes.unaccounted_dt();

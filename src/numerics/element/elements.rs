@@ -170,10 +170,13 @@ impl Elements {
         self.active_nodes.wake();
     }
 
-    /// Continues connectors and damping from the elements before a new mesh, with the current masses.
+    /// Continues connectors, damping and distortion control from the elements before a new mesh, with the current masses.
     pub fn follow_new_mesh(&mut self, previous: &Elements, nodes: &Nodes) {
         if let (Some(connectors), Some(previous)) = (&mut self.connectors, &previous.connectors) {
             connectors.follow_new_mesh(previous, nodes);
+        }
+        if let (Some(distortion), Some(previous)) = (&mut self.distortion, &previous.distortion) {
+            distortion.follow_new_mesh(previous);
         }
         if let Some(damping) = &mut self.damping {
             damping.update_masses(&self.groups);

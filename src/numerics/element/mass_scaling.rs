@@ -25,6 +25,8 @@ pub struct ScalingRequest {
     pub factor: f64,
     /// Scaling rule and target stable time increment.
     pub aim: Option<(ScalingTarget, f64)>,
+    /// Largest mass that [`ScalingTarget::BelowMin`] adds, as a fraction of the mass without it.
+    pub budget: Option<f64>,
 }
 
 /// Interval between evaluations of variable mass scaling.
@@ -98,7 +100,7 @@ pub struct ArrivedScaling {
 /// increment.
 #[derive(Clone, Debug, Persist, Memory)]
 // The set of linked nodes follows from the plan; scaled masses are recomputed.
-#[persist(fixed: nodes; fixed_lists: elements, fixed, factors, applied; derived: linked, sums)]
+#[persist(fixed: nodes; fixed_lists: elements, fixed, factors, applied; derived: linked, sums, rates)]
 #[memory(inside: elements, fixed, factors, applied)]
 pub struct ScaledMasses {
     pub(super) nodes: Vec<f64>,
@@ -113,6 +115,8 @@ pub struct ScaledMasses {
     pub(super) applied: Vec<Vec<f64>>,
     /// Scaled masses of the nodes.
     pub(super) sums: Vec<f64>,
+    /// Work array: inverse of the stable time increment and mass of each element of a request with a budget.
+    pub(super) rates: Vec<[f64; 2]>,
     /// Sum of the masses of the nodes without scaling, and the mass that scaling has added.
     pub(super) original: f64,
     pub(super) added: f64,

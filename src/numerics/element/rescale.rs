@@ -15,6 +15,9 @@ use crate::state::Instant;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
+/// Relative resolution of a target within a budget of added mass.
+const RESOLUTION: f64 = 1e-6;
+
 /// Set of factors that a request changes.
 #[derive(Clone, Copy)]
 enum FactorSet {
@@ -48,6 +51,7 @@ impl MassScaling {
             factors: ones.clone(),
             applied: ones,
             sums,
+            rates: Vec::new(),
             original,
             added: 0.0,
             added_to_links: 0.0,
@@ -170,7 +174,7 @@ impl MassScaling {
         }
         let masses = self.masses.as_mut().filter(|_| starts || due)?;
         if starts {
-            prepare(groups, step);
+            prepare(groups, step, &mut masses.rates);
         }
         if let Some(fixed) = step.fixed.as_ref().filter(|_| starts) {
             masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
@@ -207,11 +211,33 @@ impl MassScaling {
     }
 }
 
-/// Allocates the memory of the groups that a step scales.
-fn prepare(groups: &mut [Box<dyn ElementGroup>], step: &StepMassScaling) {
-    let requests = step.fixed.iter().flatten().chain(step.variable.iter().map(|v| &v.request));
-    let scaled: BTreeSet<usize> = requests.flat_map(|request| &request.elements).map(|at| at.0).collect();
+/// Allocates the memory of the groups that a step scales, and that of its budgets.
+fn prepare(groups: &mut [Box<dyn ElementGroup>], step: &StepMassScaling, rates: &mut Vec<[f64; 2]>) {
+    let requests = || step.fixed.iter().flatten().chain(step.variable.iter().map(|v| &v.request));
+    let scaled: BTreeSet<usize> = requests().flat_map(|request| &request.elements).map(|at| at.0).collect();
     scaled.into_iter().for_each(|g| groups[g].configure(GroupSetting::MassScales));
+    let with_budget = requests().filter(|request| request.budget.is_some());
+    rates.clear();
+    rates.reserve_exact(with_budget.map(|request| request.elements.len()).max().unwrap_or(0));
+}
+
+/// Returns the largest stable time increment up to `target` for which elements, each with the inverse of its own and with its mass,
+/// gain at most a fraction `budget` of their mass. Equation (4.10).
+fn target_within(target: f64, budget: f64, elements: &[[f64; 2]]) -> f64 {
+    let allowed = budget * elements.iter().map(|[_, mass]| mass).sum::<f64>();
+    let gained = |dt: f64, [rate, mass]: &[f64; 2]| mass * ((dt * rate) * (dt * rate) - 1.0).max(0.0);
+    let added = |dt: f64| elements.iter().map(|element| gained(dt, element)).sum::<f64>();
+    if added(target) <= allowed {
+        return target;
+    }
+    // The added mass grows with the increment from 0 at that of the fastest element.
+    let fastest = elements.iter().map(|[rate, _]| *rate).fold(0.0, f64::max);
+    let [mut low, mut high] = [1.0 / fastest, target];
+    while high - low > RESOLUTION * high {
+        let middle = 0.5 * (low + high);
+        *(if added(middle) <= allowed { &mut low } else { &mut high }) = middle;
+    }
+    low
 }
 
 impl ScaledMasses {
@@ -234,7 +260,13 @@ impl ScaledMasses {
         for &(g, e) in &request.elements {
             factors[g][e] *= request.factor;
         }
-        if let Some((aim, dt)) = request.aim {
+        if let Some((aim, target)) = request.aim {
+            let dt = request.budget.map_or(target, |budget| {
+                let mass = |(g, e): (usize, usize)| factors[g][e] * self.elements[g][e].iter().sum::<f64>();
+                self.rates.clear();
+                self.rates.extend(request.elements.iter().map(|&at| [rate(&factors, at), mass(at)]));
+                target_within(target, budget, &self.rates)
+            });
             let usable = |rate: f64| rate.is_finite() && rate > 0.0;
             let rates = request.elements.iter().map(|&at| rate(&factors, at));
             let largest = rates.filter(|r| usable(*r)).fold(0.0, f64::max);

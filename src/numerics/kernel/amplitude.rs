@@ -19,7 +19,7 @@ impl AmplitudeCurve {
         AmplitudeCurve { points, smooth, total_time }
     }
 
-    /// Equation (4.10).
+    /// Equation (4.11).
     pub fn value(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|p| p[0] <= time);
         let (Some(from), Some(to)) = (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) else {

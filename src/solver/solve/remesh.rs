@@ -465,7 +465,7 @@ fn kinetic_energy(dofs: &Dofs) -> f64 {
 fn complete_velocities(state: &mut State) -> f64 {
     let State { constraints, dofs, .. } = state;
     let contacts = of_kind_mut::<ContactConstraint>(constraints);
-    contacts.fold(kinetic_energy(dofs), |kinetic, contact| kinetic + contact.system.complete_velocities(dofs))
+    contacts.fold(kinetic_energy(dofs), |kinetic, contact| kinetic + contact.complete_velocities(dofs))
 }
 
 /// Evaluates the forces of the new mesh at the instant at which the old one was left. `old_kinetic` is the kinetic energy

@@ -67,6 +67,7 @@ card!(FixedMassScaling: "FIXED MASS SCALING", "Scales element masses at the star
     factor: Option<f64> = "FACTOR" (POSITIVE) "Factor on the mass",
     dt: Option<f64> = "DT" (POSITIVE) "Target stable time increment",
     kind: usize = "TYPE" (variant(&["BELOW MIN", "UNIFORM", "SET EQUAL DT"]).or(0.0)),
+    budget: Option<f64> = "BUDGET" extension (POSITIVE) "Largest mass that TYPE=BELOW MIN adds, as a fraction of the mass of the elements: DT is reduced until it suffices",
 }, []);
 
 card!(VariableMassScaling: "VARIABLE MASS SCALING", "Scales element masses during the step", (step), {
@@ -75,6 +76,7 @@ card!(VariableMassScaling: "VARIABLE MASS SCALING", "Scales element masses durin
     kind: usize = "TYPE" (variant(&["BELOW MIN", "UNIFORM", "SET EQUAL DT"]).or(0.0)),
     frequency: Option<usize> = "FREQUENCY" (COUNT) "Interval in increments",
     intervals: Option<usize> = "NUMBER INTERVAL" (COUNT) "Number of times in the step, in place of FREQUENCY",
+    budget: Option<f64> = "BUDGET" extension (POSITIVE) "Largest mass that TYPE=BELOW MIN adds, as a fraction of the mass of the elements: DT is reduced until it suffices",
 } refused {
     "applies only to rolling": "CROSS SECTION NODES", "EXTRUDED LENGTH", "FEED RATE";
 }, []);

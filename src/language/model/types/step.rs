@@ -121,6 +121,8 @@ pub struct MassScaling {
     pub factor: f64,
     /// Scaling type and target stable time increment.
     pub target: Option<(ScalingType, f64)>,
+    /// Largest mass that a target adds, as a fraction of the mass of the elements without it; `None` without a limit.
+    pub budget: Option<f64>,
     /// Repetition during the step; `None` for fixed mass scaling.
     pub schedule: Option<ScalingSchedule>,
 }

@@ -4,13 +4,15 @@
 use std::collections::HashMap;
 
 use super::cohesion::{BondStatus, BondedPoint, CohesivePair, CohesiveSurfaces, FootVector, opened};
+use super::continuation::previous_ends;
 use super::curve::{FacetCurve, PointCarrier};
 use super::dofs::ContactDofs;
 use super::pairs::{ContactPair, pair_of};
 use super::shown::SurfaceForces;
-use super::surfaces::ContactSurfaces;
+use super::surfaces::{ContactSurfaces, PointIdentity};
 use super::sweeps::NONE;
 use super::system::ContactSystem;
+use crate::constraint::NodeRelation;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::traction_separation::{DissipatedEnergy, TractionSeparationLaw};
 use crate::state::archive::StateArchive;
@@ -224,11 +226,7 @@ impl CohesiveSurfaces {
     /// Friction does not act on points whose bond has no damage.
     pub(super) fn act(&mut self, contact: &mut ContactSystem, dofs: &mut Dofs, dt: f64) {
         self.bond_pressed_points(contact);
-        let dissipated = self.update(contact, [contact.dofs.half, 2.0 * contact.dofs.half - dt]);
-        dofs.energies.plastic += dissipated.by_damage;
-        dofs.energies.damaged += dissipated.by_damage;
-        dofs.energies.internal -= dissipated.by_viscosity;
-        dofs.energies.viscous += dissipated.by_viscosity;
+        book_dissipation(self.update(contact, [contact.dofs.half, 2.0 * contact.dofs.half - dt]), dofs);
         self.bound_frequency(contact);
         for index in 0..contact.measured.rows.rows.len() {
             let key = contact.measured.rows.rows[index].key;
@@ -280,15 +278,39 @@ impl CohesiveSurfaces {
         energies.internal -= work;
     }
 
-    /// Takes the bonds of the pairs that the previous contact has, too.
+    /// Adds the impulses over half an increment to the velocities at mid-increment, as
+    /// [`ContactSystem::complete_velocities`] does for those of contact. Returns their work on free degrees of freedom.
+    pub(super) fn complete_velocities(&mut self, contact: &mut ContactSystem, dofs: &mut Dofs) -> f64 {
+        let dt = dofs.nodes.previous_dt;
+        if contact.dofs.half == 0.0 || dt == 0.0 {
+            return 0.0;
+        }
+        contact.begin_mesh_motion(dofs);
+        book_dissipation(self.update(contact, [0.5 * dt, dt]), dofs);
+        let (mut work, mut work_on_free) = (0.0, 0.0);
+        for (i, &(dof, prescribed)) in contact.dofs.list.iter().enumerate().filter(|(i, _)| self.impulses[*i] != 0.0) {
+            let impulse = self.impulses[i];
+            let change = contact.dofs.motion.inverse_mass[i] * impulse;
+            let of_impulse = impulse * (contact.dofs.complete_velocity(i, change, dofs) + 0.5 * change);
+            work += of_impulse;
+            if prescribed {
+                dofs.energies.external -= of_impulse;
+            } else {
+                work_on_free += of_impulse;
+            }
+        }
+        dofs.energies.internal -= work;
+        work_on_free
+    }
+
+    /// Takes the bonds of the pairs that the previous contact has, too. Bonded surfaces have no new meshes themselves.
     pub(super) fn take_over(
         &mut self,
         contact: &ContactSystem,
         old_cohesion: &CohesiveSurfaces,
-        previous: &ContactSystem,
+        (previous, nodes): (&ContactSystem, &NodeRelation<'_>),
     ) {
-        let ContactSystem { surfaces, pairs, dofs, .. } = contact;
-        dofs.pass_values(&mut self.impulses, &previous.dofs, &old_cohesion.impulses);
+        let ContactSystem { surfaces, pairs, .. } = contact;
         for cohesive in &mut self.pairs {
             let pair = &pairs[cohesive.pair];
             let is_same = |old: &&CohesivePair| pair.continues(&previous.pairs[old.pair]);
@@ -299,7 +321,7 @@ impl CohesiveSurfaces {
                     pair: &previous.pairs[old.pair],
                     points: &old_cohesion.points[old.first..],
                 };
-                old.pass_bonds(surfaces, pair, &mut self.points[cohesive.first..]);
+                old.pass_bonds((surfaces, pair), &mut self.points[cohesive.first..], nodes);
             }
         }
     }
@@ -408,6 +430,14 @@ fn measure_current(contact: &mut ContactSystem, dofs: &Dofs) {
     contact.keys.store_openings(&contact.measured.rows.rows);
 }
 
+/// Adds the energy that bonds dissipate.
+fn book_dissipation(dissipated: DissipatedEnergy, dofs: &mut Dofs) {
+    dofs.energies.plastic += dissipated.by_damage;
+    dofs.energies.damaged += dissipated.by_damage;
+    dofs.energies.internal -= dissipated.by_viscosity;
+    dofs.energies.viscous += dissipated.by_viscosity;
+}
+
 /// The bonds of a cohesive pair of a previous contact.
 struct BondedSurface<'a> {
     surfaces: &'a ContactSurfaces,
@@ -418,14 +448,28 @@ struct BondedSurface<'a> {
 
 impl BondedSurface<'_> {
     /// Passes the bonds to the `points` of the pair that continues.
-    fn pass_bonds(&self, surfaces: &ContactSurfaces, pair: &ContactPair, points: &mut [BondedPoint]) {
-        let facets: HashMap<_, u32> = surfaces.facet_owners(pair.other.unwrap_or(pair.secondary)).zip(0..).collect();
-        let old_facets: Vec<_> = self.surfaces.facet_owners(self.pair.other.unwrap_or(self.pair.secondary)).collect();
+    fn pass_bonds(
+        &self,
+        (surfaces, pair): (&ContactSurfaces, &ContactPair),
+        points: &mut [BondedPoint],
+        nodes: &NodeRelation<'_>,
+    ) {
+        let same = |point: PointIdentity| {
+            previous_ends(point, nodes).and_then(|(ends, _)| (ends[0] == ends[1]).then_some(ends[0]))
+        };
+        let facets: HashMap<[Option<PointIdentity>; 2], u32> = surfaces
+            .facet_owners(pair.other.unwrap_or(pair.secondary))
+            .map(|facet| facet.inline_map(same))
+            .zip(0..)
+            .collect();
+        let old_facets = self.surfaces.facet_owners(self.pair.other.unwrap_or(self.pair.secondary));
+        let old_facets: Vec<_> = old_facets.map(|facet| facet.inline_map(Some)).collect();
         let old_points =
             self.surfaces.curves[self.pair.secondary].points.iter().map(|point| self.surfaces.identity(*point));
         let known: HashMap<_, &BondedPoint> = old_points.zip(self.points).collect();
         for (number, point) in surfaces.curves[pair.secondary].points.iter().zip(points) {
-            *point = known.get(&surfaces.identity(*number)).map_or(BondedPoint::default(), |known| **known);
+            let previous = same(surfaces.identity(*number)).and_then(|point| known.get(&point));
+            *point = previous.map_or(BondedPoint::default(), |known| **known);
             match old_facets.get(point.facet as usize).and_then(|facet| facets.get(facet)) {
                 Some(facet) => point.facet = *facet,
                 // The surface no longer contains the facet of the foot.

@@ -20,8 +20,9 @@ impl ContactConstraint {
         self.system.take_over(&previous.system, &nodes);
         self.take_over_heat(previous, &nodes);
         if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
-            cohesion.take_over(&self.system, previous_cohesion, &previous.system);
+            self.system.dofs.pass_values(&mut cohesion.impulses, &previous.system.dofs, &previous_cohesion.impulses);
         }
+        self.take_over_bonds(previous, &nodes);
         for stations in &mut self.stations {
             let same = previous.stations.iter().find(|known| known.pair.number == stations.pair.number);
             same.into_iter().for_each(|known| stations.take_over(known));
@@ -31,9 +32,21 @@ impl ContactConstraint {
     /// Takes the values of the previous contact at the places of the points on the previous surfaces.
     pub(super) fn move_to_new_mesh(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
         (self.system.dofs.half, self.impact) = (previous.system.dofs.half, previous.impact);
+        // Initial clearances are those of the start.
+        self.system.keys.gap_offsets.fill(0.0);
         let places = self.system.take_over(&previous.system, nodes);
         self.take_over_heat(previous, nodes);
+        self.take_over_bonds(previous, nodes);
+        if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
+            cohesion.squared_frequency = previous_cohesion.squared_frequency;
+        }
         self.system.take_over_energies(&previous.system, places, dofs);
+    }
+
+    fn take_over_bonds(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) {
+        if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
+            cohesion.take_over(&self.system, previous_cohesion, (&previous.system, nodes));
+        }
     }
 
     /// Takes the bounds of heat exchange of the points that a previous contact has, too.
@@ -141,7 +154,10 @@ impl ContactSystem {
 
 /// Returns the points of a previous contact between which a point is, and its distance from the first as a fraction of that
 /// between both; `None` if it is new.
-fn previous_ends((carrier, on_body): PointIdentity, nodes: &NodeRelation<'_>) -> Option<([PointIdentity; 2], f64)> {
+pub(super) fn previous_ends(
+    (carrier, on_body): PointIdentity,
+    nodes: &NodeRelation<'_>,
+) -> Option<([PointIdentity; 2], f64)> {
     match on_body {
         Some(_) => Some(([(carrier, on_body); 2], 0.0)),
         None => nodes(carrier).map(|place| (place.nodes.inline_map(|node| (node, None)), place.share)),

@@ -317,28 +317,32 @@ impl ContactDofs {
         }
     }
 
+    /// Changes the velocity of a degree of freedom at the current instant. Returns the previous one.
+    pub(super) fn complete_velocity(&self, index: usize, change: f64, dofs: &mut Dofs) -> f64 {
+        match self.list[index].0 {
+            Dof::Node(n, axis) => {
+                let previous = dofs.nodes.velocity_now(n)[axis];
+                *dofs.nodes[n].velocity(axis) += change;
+                previous
+            }
+            Dof::Body(b) => {
+                dofs.bodies[b].velocity += change;
+                dofs.bodies[b].velocity - change
+            }
+        }
+    }
+
     /// Adds a part of the impulses to the velocities at mid-increment, and returns its work at the current instant.
     pub(super) fn complete_velocities(&mut self, near: &[u32], part: f64, dofs: &mut Dofs) -> ImpulseWork {
-        let Dofs { bodies, nodes, energies, .. } = dofs;
         let mut work = ImpulseWork::default();
         for i in near.iter().map(|i| *i as usize) {
-            let ((dof, prescribed), impulse) = (self.list[i], self.impulses[i].inline_map(|j| part * j));
+            let impulse = self.impulses[i].inline_map(|j| part * j);
             let change = self.motion.inverse_mass[i] * (impulse[0] + impulse[1]);
-            let previous = match dof {
-                Dof::Node(n, axis) => {
-                    let previous = nodes.velocity_now(n)[axis];
-                    *nodes[n].velocity(axis) += change;
-                    previous
-                }
-                Dof::Body(b) => {
-                    bodies[b].velocity += change;
-                    bodies[b].velocity - change
-                }
-            };
-            let mean = previous + 0.5 * change;
+            let mean = self.complete_velocity(i, change, dofs) + 0.5 * change;
             self.means[i] = mean;
-            work.add(impulse, mean, prescribed, energies);
+            work.add(impulse, mean, self.list[i].1, &mut dofs.energies);
         }
+        let nodes = &mut dofs.nodes;
         for MergedContactDof { dof, nodes: MergedDofs { nodes: members, axis } } in &self.merged {
             let change = part * self.motion.inverse_mass[*dof] * (self.impulses[*dof][0] + self.impulses[*dof][1]);
             members[1..].iter().for_each(|n| *nodes[*n].velocity(*axis) += change);

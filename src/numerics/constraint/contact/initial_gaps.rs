@@ -50,7 +50,8 @@ pub(super) fn set_initial_gaps(contact: &mut ContactSystem) -> Vec<InitialGaps> 
             gaps[index].overlap = Some(SurfaceOverlap { depth: -gap, place: surfaces.places[point as usize] });
         }
     }
-    if offsets.iter().any(|offset| *offset != 0.0) {
+    // Also if all are zero: the length of the list must not depend on the mesh.
+    if pairs.iter().any(|pair| pair.initial_clearance.is_some()) {
         keys.gap_offsets = offsets;
     }
     keys.store_openings(&measured.rows.rows);

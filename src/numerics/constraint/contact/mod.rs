@@ -217,6 +217,14 @@ impl ContactConstraint {
         outcome
     }
 
+    /// Completes the velocities at the current instant before a new mesh, with the impulses of contact and of bonds. Returns
+    /// the kinetic energy that free degrees of freedom gain.
+    pub fn complete_velocities(&mut self, dofs: &mut Dofs) -> f64 {
+        let by_contact = self.system.complete_velocities(dofs);
+        let by_bonds = self.cohesion.as_mut().map_or(0.0, |bonds| bonds.complete_velocities(&mut self.system, dofs));
+        by_contact + by_bonds
+    }
+
     /// Returns the sum of all impulses on a degree of freedom in the previous increment.
     fn whole_impulse(&self, index: usize) -> f64 {
         let [normal, slip] = self.system.dofs.impulses[index];

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
-use crate::model::{AnalyticalFront, Model, RegionType, Remeshing, SideSelection, SolidSection, Step};
-use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, remeshed_body, unsupported_remeshing};
-
+use crate::model::{AnalyticalFront, Model, RegionType, Remeshing, SolidSection, Step};
+use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, has_faces_of, remeshed_body, unsupported_remeshing};
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
 use crate::variables::Variable;
@@ -173,11 +172,8 @@ fn has_spatial_constraints(model: &Model) -> bool {
 
 /// Returns whether a surface of a body takes part in contact with faces of elements; `elements` are in ascending order.
 fn touches_faces(pairs: &Pairs, elements: &[usize]) -> bool {
-    let is_own = |element: &usize| elements.binary_search(element).is_ok();
-    let touches =
-        |side: &SideSelection| side.faces.iter().any(|(e, _)| is_own(e)) || side.free_face_elements.iter().any(is_own);
     let mut all_pairs = pairs.by_step.iter().flat_map(|pairs| pairs.iter());
-    all_pairs.any(|pair| pair.analytical.is_none() && pair.sides.iter().any(touches))
+    all_pairs.any(|pair| pair.analytical.is_none() && pair.sides.iter().any(|side| has_faces_of(side, elements)))
 }
 
 /// Returns whether a group is of quadrilaterals with a plastic strain that are never deleted.

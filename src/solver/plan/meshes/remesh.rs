@@ -7,10 +7,11 @@ use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, linked_nodes, single_nodes};
 use crate::model::{
-    AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing, Step,
+    AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing, SideSelection,
+    SolidSection, Step, SurfaceContact,
 };
 use crate::plan::constraints::surface_ties::find_attached_nodes;
-use crate::plan::contact::cohesion::cohesive_behaviors;
+use crate::plan::contact::cohesion::cohesion_of;
 use crate::plan::heat::fields::has_uniform_fields;
 use crate::plan::meshes::pieces::parts_in_contact;
 use crate::plan::solids::mass_scaling::scales_equation_of_state;
@@ -52,8 +53,9 @@ pub struct RemeshedBody {
 }
 
 /// User subroutines that continue on new meshes: their state is that of elements, amplitudes and points of loads.
-const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp", "vdload"];
-const UNCARRIED_ROUTINES: &str = "user subroutines other than VUMAT, VUHARD, VUSDFLD, VUAMP and VDLOAD";
+const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuanisohyper_inv", "vuamp", "vdload", "vfriction"];
+const UNCARRIED_ROUTINES: &str =
+    "user subroutines other than VUMAT, VUHARD, VUSDFLD, VUANISOHYPER_INV, VUAMP, VDLOAD and VFRICTION";
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
@@ -203,30 +205,49 @@ pub(super) fn unsupported_remeshing(
             "attach it to a node on the boundary of the body, or use *BOUNDARY, pressures or body forces",
         ));
     }
-    let exclusion = excluded_by_model(scene, pairs, state, report).or_else(|| excluded_by_nodes(scene, body, &used));
+    let exclusion = excluded_by_model(scene, state, report)
+        .or_else(|| excluded_by_elements(scene.model, pairs, &card.elements))
+        .or_else(|| excluded_by_nodes(scene, body, &used));
     exclusion.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
 }
 
 /// Returns what in the model excludes new meshes of any body.
-fn excluded_by_model(scene: Scene, pairs: &Pairs, state: &State, report: &Report) -> Option<&'static str> {
+fn excluded_by_model(scene: Scene, state: &State, report: &Report) -> Option<&'static str> {
     let (model, elements) = (scene.model, &state.elements);
     let loads = || model.steps.iter().flat_map(|step| &step.loads);
-    let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
     let exclusions = [
         (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), UNCARRIED_ROUTINES),
-        (elements.distortion.is_some(), "DISTORTION CONTROL"),
         (elements.assembly.rings.is_some(), "WEIGHTING=AREA"),
-        (!model.cohesive_sections.is_empty(), "cohesive elements"),
-        (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
         (heats && !model.constraints.ties.is_empty(), "*TIE together with nodal temperatures"),
         (ties_rigid_bodies(scene), "*TIE at rigid bodies"),
         (!model.targets.is_empty(), "*TARGET"),
         (loads().any(|load| matches!(load.kind, LoadKind::Cavity { .. })), "resistance loads"),
         (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
-        (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
     ];
     exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+}
+
+/// Returns what excludes new meshes in the section or on the surfaces of a body; `elements` are in ascending order.
+fn excluded_by_elements(model: &Model, pairs: &Pairs, elements: &[usize]) -> Option<&'static str> {
+    let is_own = |element: &usize| elements.binary_search(element).is_ok();
+    let controls = |section: &SolidSection| section.controls.distortion.is_some();
+    let mut sections = model.sections.iter().filter(|section| controls(section));
+    let mut contacts = pairs.by_step.iter().flat_map(|pairs| pairs.iter());
+    let bonds = |contact: &SurfaceContact| {
+        cohesion_of(model, contact).is_some() && contact.sides.iter().any(|side| has_faces_of(side, elements))
+    };
+    let exclusions = [
+        (sections.any(|section| section.elements.iter().any(is_own)), "DISTORTION CONTROL in its section"),
+        (contacts.any(bonds), "*COHESIVE BEHAVIOR on its surfaces"),
+    ];
+    exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+}
+
+/// Returns whether a side of a contact pair has faces of elements, which are in ascending order.
+pub(super) fn has_faces_of(side: &SideSelection, elements: &[usize]) -> bool {
+    let is_own = |element: &usize| elements.binary_search(element).is_ok();
+    side.faces.iter().any(|(e, _)| is_own(e)) || side.free_face_elements.iter().any(is_own)
 }
 
 /// Returns whether a tie has nodes of rigid bodies.

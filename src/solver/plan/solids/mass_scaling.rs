@@ -75,7 +75,7 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
     };
     report.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &at_links);
     let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
-    Some(ScalingRequest { elements, factor: scaling.factor, aim })
+    Some(ScalingRequest { elements, factor: scaling.factor, aim, budget: scaling.budget })
 }
 
 /// Returns whether mass scaling acts on an element of a list (ascending) whose material has an equation of state.
@@ -164,6 +164,7 @@ fn detail(scaling: &MassScaling) -> String {
     }
     if let Some((kind, dt)) = scaling.target {
         parts.push(format!("{kind:?} {dt:e}"));
+        parts.extend(scaling.budget.map(|budget| format!("at most {} % of the mass is added", 100.0 * budget)));
     }
     parts.push(match scaling.schedule {
         None => "at the start of the step".into(),
