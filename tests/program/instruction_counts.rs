@@ -86,36 +86,6 @@ fn scenes() -> Vec<Scene> {
     ]
 }
 
-/// Returns the instructions of the whole program for a deck, and its number of increments.
-fn count(folder: &Path, deck: &str) -> (f64, f64) {
-    let (path, out) = (folder.join("scene.inp"), folder.join("out"));
-    std::fs::write(&path, deck).expect("the deck is written");
-    let (path, out) = (path.to_str().expect("a path"), out.to_str().expect("a path"));
-    let run = ["run", "--threads", "1", "--instructions", "avx2", "--no-frames", "--json", path, "--out", out];
-    let (total, output) = instructions(folder, &run);
-    let summary: serde_json::Value = serde_json::from_slice(&output).expect("a summary");
-    let increments = summary["steps"][0]["increments"].as_f64().expect("increments");
-    (total, increments)
-}
-
-/// Returns the instructions of the program with these arguments, and what it prints.
-///
-/// # Panics
-/// If the program fails.
-fn instructions(folder: &Path, arguments: &[&str]) -> (f64, Vec<u8>) {
-    let counts = folder.join("counts");
-    let output = Command::new("valgrind")
-        .args(["--tool=cachegrind", "--cache-sim=no", &format!("--cachegrind-out-file={}", counts.display())])
-        .arg(env!("CARGO_BIN_EXE_revolve"))
-        .args(arguments)
-        .output()
-        .expect("valgrind runs");
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    let text = std::fs::read_to_string(counts).expect("counts");
-    let total = text.lines().find_map(|line| line.strip_prefix("summary: ")).expect("a sum");
-    (total.trim().parse().expect("a number"), output.stdout)
-}
-
 /// A deck that is checked or run in a process whose instructions are counted.
 pub struct CountedJob {
     pub deck: PathBuf,
@@ -181,11 +151,34 @@ fn counted_jobs() {
     }
 }
 
-/// Returns the instructions per increment: start and end of the program cancel in the difference of two durations.
-fn per_increment(folder: &Path, scene: &Scene) -> f64 {
-    let [short, long] = scene.durations.map(|time| count(folder, &scene.deck.replace("<duration>", time)));
-    assert!(long.1 >= short.1 + 50.0, "{}: {} and {} increments", scene.name, short.1, long.1);
-    (long.0 - short.0) / (long.1 - short.1)
+/// Returns the number of increments of a deck.
+fn increments(folder: &Path, deck: &Path) -> f64 {
+    let prepared = job::prepare(deck, &[], &Routines::none());
+    let files = JobFiles { folder: folder.to_owned(), name: "scene".into() };
+    let summary = job::run_to_files(&prepared, &files, &mut |_| {}).expect("files");
+    summary.steps[0].increments as f64
+}
+
+/// Returns the instructions per increment of each scene: start and end of a run cancel in the difference of two durations.
+fn per_increment(folder: &Path, scenes: &[Scene]) -> Vec<f64> {
+    let write = |number: usize, scene: &Scene| {
+        let [short, long] = [0, 1].map(|end| {
+            let deck = folder.join(format!("scene_{number}_{end}.inp"));
+            std::fs::write(&deck, scene.deck.replace("<duration>", scene.durations[end])).expect("the deck is written");
+            deck
+        });
+        // The first run fills the tables that the process keeps.
+        [short.clone(), short, long]
+    };
+    let decks: Vec<_> = scenes.iter().enumerate().map(|(number, scene)| write(number, scene)).collect();
+    let jobs: Vec<_> = decks.iter().flatten().map(|deck| CountedJob { deck: deck.clone(), is_run: true }).collect();
+    let counts = instructions_of_each(folder, &jobs);
+    let per_increment = |(decks, counts): (&[PathBuf; 3], &[f64])| {
+        let [short, long] = [1, 2].map(|run| increments(folder, &decks[run]));
+        assert!(long >= short + 50.0, "{}: {short} and {long} increments", decks[2].display());
+        (counts[2] - counts[1]) / (long - short)
+    };
+    decks.iter().zip(counts.chunks(3)).map(per_increment).collect()
 }
 
 /// Returns whether instructions can be counted; otherwise the test prints that it was left out. CI requires valgrind.
@@ -209,8 +202,9 @@ fn instructions_per_increment_are_those_of_the_table() {
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
+    let scenes = scenes();
     let found: Vec<(&str, f64)> =
-        scenes().iter().map(|scene| (scene.name, per_increment(folder.path(), scene))).collect();
+        scenes.iter().map(|scene| scene.name).zip(per_increment(folder.path(), &scenes)).collect();
     let (path, mut table) = (common::project(TABLE), String::new());
     found.iter().for_each(|(name, count)| writeln!(table, "{name}: {count:.0}").expect("text"));
     if std::env::var_os("REVOLVE_BLESS").is_some() {

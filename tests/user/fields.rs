@@ -97,6 +97,21 @@ fn field_dependent_moduli_scale_the_total_elastic_strain() {
     }
 }
 
+/// A subroutine that sets a second field variable where the model has one; gfortran cannot check `(nblock,*)`.
+#[test]
+fn a_field_variable_that_does_not_exist_is_named() {
+    if !common::fortran("a field variable that does not exist") {
+        return;
+    }
+    let source =
+        TIME_IN_FORTRAN.replace("field(nblock,nfieldv)", "field(nblock,*)").replace("field(k,1)", "field(k,2)");
+    let deck = stretched(MODULI, " S\n").replace("*Density", "*User Defined Field\n*Density");
+    let (outcome, _) = common::run(&deck, &[], &compiled(&source).expect("it compiles"));
+    let halt = outcome.halt.expect("a halt");
+    let message = halt.message();
+    assert!(message.contains("at field(1,2); the model has nfieldv = 1 field variables"), "{message}");
+}
+
 /// Yield stress as a function of plastic strain and two fields, the first of which increases with time: (10 + 5 p)(1 -
 /// f1) + (4 + 2 p) f1, times a factor from the second; checked in every plastic increment.
 #[test]

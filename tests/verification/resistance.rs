@@ -624,6 +624,9 @@ fn ceramic_has_a_resistance_at_high_velocities_only() {
     let target = expansion_target(&material_of("ABQ_JH2_CERAMIC", CERAMIC), &TargetSizes::default()).expect("a target");
     let pressures = target.pressures().expect("pressures");
     assert_eq!(pressures(0.0).expect_err("no pressure").code(), "C006");
+    // A fit through the pressure at rest has none either.
+    let pinned = FitRequest { pinned: true, ..FitRequest::over([700.0, 800.0]) };
+    assert_eq!(derive(&*target, &pinned).expect_err("no pressure").code(), "C006");
     let fast = pressures(800.0).expect("a pressure").stress * target.scale().yield_stress;
     println!("{fast:e}");
     assert!((fast / 6.376e9 - 1.0).abs() < 5e-3, "{fast:e}");

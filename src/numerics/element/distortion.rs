@@ -243,6 +243,30 @@ mod tests {
         assert_eq!(controlled.corner_forces(&places, &velocities, 1.0, 1.0), None);
     }
 
+    /// The force of an increment removes a fifth of the velocity at which a corner approaches the line. The velocity is that of
+    /// the distance when the corners move.
+    #[test]
+    fn force_of_an_increment_removes_a_fifth_of_the_approach_velocity() {
+        let inverse_mass = [1.0, 0.5, 0.3, 0.2];
+        let controlled = ControlledElement::new((0, 0), [0, 1, 2, 3], inverse_mass, SQUARE, 0.1);
+        let mut places = SQUARE;
+        places[2] = [1.52, 0.52];
+        let rate = |velocities: &[[f64; 2]; 4]| {
+            let moved = |time: f64| {
+                let place = |i: usize| [0, 1].map(|axis| places[i][axis] + time * velocities[i][axis]);
+                height(three(&[0, 1, 2, 3].map(place), 2)).distance
+            };
+            (moved(1e-6) - moved(-1e-6)) / 2e-6
+        };
+        let velocities = [[0.1, 0.0], [0.0, 0.2], [-1.0, -1.0], [0.3, 0.0]];
+        let dt = 0.25;
+        // With a long time for the way back, the target is a corner at rest.
+        let forces = controlled.corner_forces(&places, &velocities, dt, 1e12).expect("too near");
+        let after = |i: usize| [0, 1].map(|axis| velocities[i][axis] + dt * inverse_mass[i] * forces[i][axis]);
+        let ratio = rate(&[0, 1, 2, 3].map(after)) / rate(&velocities);
+        assert!((ratio - 0.8).abs() < 1e-6, "{ratio}");
+    }
+
     #[test]
     fn a_triangle_is_not_pushed_at_its_doubled_node() {
         let triangle = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 1.0]];

@@ -191,6 +191,23 @@ mod tests {
         assert_eq!(free.merge(&deleted, &mut nodes, |_, _| Some([true; 2])), None, "each node merges once");
     }
 
+    /// The loss is that of the kinetic energy v(i-1/2) m v(i+1/2)/2 also where nodes are accelerated.
+    #[test]
+    fn loss_of_accelerated_masses_is_that_of_the_products_of_velocities() {
+        let (mut free, mut nodes, deleted) = strip();
+        nodes.previous_dt = 0.5;
+        (nodes.acceleration[0], nodes.acceleration[1]) = ([2.0, -1.0], [-3.0, 4.0]);
+        let energy = |nodes: &Nodes| -> f64 {
+            let of_axis = |mass: f64, v: f64, a: f64| 0.5 * mass * v * (v + 0.5 * a);
+            let motions = nodes.as_slice().iter().zip(&nodes.mass).zip(&nodes.acceleration);
+            motions.map(|((n, m), a)| of_axis(*m, n.v_r, a[0]) + of_axis(*m, n.v_z, a[1])).sum()
+        };
+        let before = energy(&nodes);
+        free.count(&deleted);
+        let loss = free.merge(&deleted, &mut nodes, |_, _| Some([true; 2])).expect("a node has become free");
+        assert!((before - energy(&nodes) - loss).abs() < 1e-13, "{before} {loss}");
+    }
+
     /// Mass that has been received is passed on when the receiver becomes free: momentum is conserved over both impacts.
     #[test]
     fn merged_mass_merges_again() {

@@ -287,12 +287,19 @@ pub(super) fn neighbours(mesh: &BodyMesh) -> Vec<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BodyMotion, MeshTransfer};
+    use super::{BodyMotion, MeshTransfer, slope};
     use crate::kernel::lanes::{PACK, Pack};
     use crate::kernel::quad;
     use crate::remesh::BodyMesh;
     use crate::remesh::mesher::{OutlineRules, new_mesh};
     use crate::remesh::overlap::{common_parts, ring};
+
+    #[test]
+    fn slope_of_a_linear_field_is_exact() {
+        let corners = [[1.0, 2.0], [3.0, 2.5], [2.8, 4.0], [0.9, 3.5]];
+        let [along_r, along_z] = slope(corners, corners.map(|[r, z]| 2.0 * r - 3.0 * z + 5.0));
+        assert!((along_r - 2.0).abs() < 1e-13 && (along_z + 3.0).abs() < 1e-13, "{along_r} {along_z}");
+    }
 
     /// Returns a block on the axis with distorted elements, and the mesh that replaces it.
     fn meshes(n: u32) -> [BodyMesh; 2] {
