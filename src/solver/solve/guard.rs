@@ -214,19 +214,19 @@ impl RunReport {
             let found =
                 format!("the section of element {} has turned over{}", turned.name_place(run), turned.name_others());
             self.warn_of_turned(run, &turned, &found, "results there are wrong, although its volume is positive");
-        } else if self.watch.corners_reported {
-            return;
-        } else if let Some(turned) = TurnedElements::find(run, |place| has_turned_corner(run, place)) {
-            let was_turned = std::mem::replace(&mut self.watch.corners_turned, true);
-            self.watch.corners_reported = was_turned || is_last;
-            if !self.watch.corners_reported {
-                return;
-            }
+        } else if !self.watch.corners_reported {
+            self.warn_of_corners(run, is_last);
+        }
+    }
+
+    fn warn_of_corners(&mut self, run: &RunState<'_>, is_last: bool) {
+        let turned = TurnedElements::find(run, |place| has_turned_corner(run, place));
+        let was_turned = std::mem::replace(&mut self.watch.corners_turned, turned.is_some());
+        if let Some(turned) = turned.filter(|_| was_turned || is_last) {
+            self.watch.corners_reported = true;
             let found =
                 format!("a corner of element {} has turned over{}", turned.name_place(run), turned.name_others());
             self.warn_of_turned(run, &turned, &found, "its shape is not convex, and results there are not reliable");
-        } else {
-            self.watch.corners_turned = false;
         }
     }
 

@@ -84,7 +84,8 @@ impl MeshQuality {
         match trigger {
             FirstMesh::Squashed(limit) => {
                 let searches = run.now.increment % (SEARCH * AutomaticMeshes::INTERVAL) < AutomaticMeshes::INTERVAL;
-                self.is_collapsed(group, limit, elements) || searches && has_folded(run, group)
+                let is_folded = searches && trigger.follows_turned_corners() && has_folded(run, group);
+                self.is_collapsed(group, limit, elements) || is_folded
             }
             FirstMesh::Sharp(limit) => {
                 let smallest = smallest_sines(&*elements.groups[group], &run.state).fold(1.0, f64::min);
