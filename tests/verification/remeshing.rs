@@ -10,6 +10,7 @@ use revolve::solve::Outcome;
 use revolve::user::Routines;
 
 use crate::common;
+use crate::common::solid;
 
 /// A bar is remeshed when an angle is below 59 degrees, and then whenever the angle has halved.
 pub const OFTEN: &str = "*Remesh, elset=BAR, angle=59., frequency=5\n";
@@ -289,6 +290,51 @@ fn squashed_bodies_have_new_meshes_without_a_card() {
     }
     assert!((length(&history) / length(&of_card) - 1.0).abs() < 5e-3, "{} {}", length(&history), length(&of_card));
     assert!((length(&history) / length(&of_fine) - 1.0).abs() < 1e-2, "{} {}", length(&history), length(&of_fine));
+}
+
+/// A smooth cone of 51.3 degrees pierces a hardening billet in a container. The node on the axis turns over the elements
+/// under the tip before they are flat: the billet has a new mesh then, and the warning names the cause. Later no valid mesh
+/// is found. The work over the volume of the cone is above the pressure on a wedge of this angle in plane strain with the
+/// smallest yield stress, 2 k (1 + psi) = 182 MPa with cos(2 theta - psi) = cos(psi)/(1 + sin(psi)) and k = Y/sqrt(3) (Hill,
+/// Lee and Tupper 1947), and below that of deep penetration with the largest one, 2 Y/3 (1 + ln(E/(3 (1 - nu) Y))) = 956 MPa
+/// (Bishop, Hill and Mott 1945).
+#[test]
+fn bodies_whose_corners_turn_over_have_new_meshes_without_a_card() {
+    let deck = solid::grid(8, 13, false, |i, j| [15.0 * i as f64 / 8.0, 25.0 * j as f64 / 13.0])
+        + "*Node, nset=PUNCH\n 9001, 0., 25.\n*Surface, name=SKIN\n SOLID,\n*Surface, type=SEGMENTS, name=CONE\n \
+           START, 15., 37.\n LINE, 0., 25.\n*Rigid Body, ref node=PUNCH, analytical surface=CONE\n"
+        + &solid::material(70e3, 0.33, 2.7e-9, "*Plastic\n 100., 0.\n 160., 0.3\n 200., 1.\n 240., 4.\n")
+        + "*Surface Interaction, name=SMOOTH\n*Amplitude, name=A\n 0., 0., 6.e-4, 1.\n\
+           *Step\n*Dynamic, Explicit\n , 6.e-4\n*Boundary\n J0, 2, 2\n I1, 1, 1\n*Boundary, amplitude=A\n PUNCH, 2, 2, -6.\n\
+           *Contact Pair, interaction=SMOOTH\n SKIN, CONE\n*Output, history, number interval=50\n*Energy Output\n \
+           ALLWK, ALLAE\n*End Step\n";
+    let (outcome, memory) = solid::run(&deck);
+    assert_eq!(outcome.halt, None);
+    println!("{:?}, {} new meshes", outcome.warnings, new_meshes(&outcome));
+    let names = |code: &str| outcome.warnings.iter().any(|warning| warning.starts_with(code));
+    assert!(names("R319: plastic flow has turned over a corner") && !names("R320") && !names("R317"));
+    let (depth, radius) = (6.0, 6.0 * 15.0 / 12.0);
+    let pressure = solid::last(&deck, &memory, "ALLWK") / (std::f64::consts::PI * radius * radius * depth / 3.0);
+    println!("pressure {pressure} MPa");
+    assert!(pressure > 182.0 && pressure < 956.0, "{pressure}");
+}
+
+/// A node inside a mesh moves across the diagonal of an element: its section has an area of 0.2 of a square, and a corner
+/// has turned over. At a third of this displacement all elements are convex.
+#[test]
+fn corners_that_turn_over_are_reported() {
+    for (displacement, is_turned) in [(0.8, true), (0.3, false)] {
+        let deck = solid::grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64])
+            + &solid::material(1.0, 0.3, 1.0, "*Nset, nset=RING\n 1, 2, 3, 4, 6, 7, 8, 9\n*Nset, nset=MIDDLE\n 5\n")
+            + "*Amplitude, name=A\n 0., 0., 50., 1.\n*Step\n*Dynamic, Explicit\n , 50.\n*Boundary\n RING, 1, 2\n"
+            + &format!("*Boundary, amplitude=A\n MIDDLE, 1, 2, {displacement}\n*End Step\n");
+        let (outcome, _) = solid::run(&deck);
+        assert_eq!(outcome.halt, None);
+        let warning = outcome.warnings.iter().find(|warning| warning.starts_with("R320"));
+        println!("{displacement}: {warning:?}");
+        assert_eq!(warning.is_some(), is_turned);
+        assert!(warning.is_none_or(|warning| warning.contains("a corner of element 4 near")), "{warning:?}");
+    }
 }
 
 /// Where nothing collapses, the run has the bits of one that keeps its mesh. Where elements fold, that one warns: at the

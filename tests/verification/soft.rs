@@ -133,6 +133,28 @@ fn hyperelastic_planar_tension_matches_closed_forms() {
     }
 }
 
+/// A ring of rubber in simple shear, with displacements along z of gamma (r - 1), to gamma = 3 and back to 0.5: the volume
+/// is constant and the hoop stretch is 1, so that the energy is (C10 + C01) gamma^2 times the volume. The shear stress is linear in
+/// gamma, and the trapezoidal rule of the work is exact: only rounding remains, although the material turns far.
+#[test]
+fn strain_energy_of_sheared_rubber_matches_its_closed_form() {
+    for (form, constants) in [("neo hooke\n 0.5, 0.1", 0.5), ("mooney-rivlin\n 0.4, 0.3, 0.1", 0.7)] {
+        let deck = grid(2, 2, false, |i, j| [1.0 + 0.5 * i as f64, 0.5 * j as f64])
+            + HEAD
+            + &format!(" 1.,\n*Hyperelastic, {form}\n*Nset, nset=MIDDLE, generate\n 2, 8, 3\n")
+            + "*Amplitude, name=A\n 0., 0., 1., 3., 1.5, 0.5\n*Step\n*Dynamic, Explicit, direct user control\n 0.005, 1.5\n\
+               *Boundary\n ALL, 1, 1\n I0, 2, 2\n*Boundary, amplitude=A\n MIDDLE, 2, 2, 0.5\n I1, 2, 2, 1.\n\
+               *Output, history, number interval=3\n*Energy Output\n ALLSE, ALLAE\n*End Step\n";
+        let (outcome, memory) = run(&deck);
+        assert_eq!(outcome.halt, None);
+        for ((time, energy), gamma) in column(&deck, &memory, "ALLSE").into_iter().zip([0.0, 1.5, 3.0, 0.5]) {
+            let expected = constants * gamma * gamma * 3.0 * PI;
+            println!("{form:?}: time {time}: {energy:e} {expected:e}");
+            assert!((energy - expected).abs() < 1e-9, "{form:?}, time {time}: {energy} {expected}");
+        }
+    }
+}
+
 /// A thick Mooney-Rivlin sphere, A = 1 to B = 2, expanded by pressure and brought to rest by mass proportional damping.
 /// For constant volume the pressure is the integral of 2 (s_hoop - s_r)/r over the wall; a bulk modulus of 1000 shear
 /// moduli changes it by some thousandths.

@@ -79,7 +79,7 @@ pub struct DomainBoundary<'a> {
 #[persist(
     fixed: prescribed;
     derived: id, group, settings, topology, active, transport, momentum, temperatures, places, velocity,
-        given_velocity, node_mass, mass, material_volume, corner_mass, packs, mass_shares, due_sweeps
+        given_velocity, node_mass, mass, material_volume, corner_mass, packs, mass_shares, due_sweeps, is_corrected
 )]
 #[memory(inside: packs)]
 pub struct AdaptiveDomain {
@@ -118,6 +118,8 @@ pub struct AdaptiveDomain {
     changes: u64,
     /// Number of sweeps of the change of the mesh that has begun; otherwise 0.
     due_sweeps: usize,
+    /// Whether contact has corrected new places in this change.
+    is_corrected: bool,
 }
 
 impl AdaptiveDomain {
@@ -173,6 +175,7 @@ impl AdaptiveDomain {
             first: None,
             changes: 0,
             due_sweeps: 0,
+            is_corrected: false,
         })
     }
 
@@ -268,6 +271,7 @@ impl AdaptiveDomain {
         if let Some(at) = self.position(node) {
             let new_place = &mut self.places[1][at];
             *new_place = [new_place[0] + r, new_place[1] + z];
+            self.is_corrected = true;
         }
     }
 
@@ -278,7 +282,10 @@ impl AdaptiveDomain {
 
     /// Begins the change to the new places. Returns whether a node moves.
     pub fn begin_change(&mut self) -> bool {
-        let [start, end, ..] = &self.places;
+        let [start, end, ..] = &mut self.places;
+        if std::mem::take(&mut self.is_corrected) {
+            self.smoothing.take_back_corrected(&self.topology, &self.held_places, start, end);
+        }
         let moves = std::mem::take(&mut self.due_sweeps) > 0 && self.active.find(&self.topology, [start, end]);
         self.changes += u64::from(moves);
         moves

@@ -579,18 +579,49 @@ impl MeshSmoothing {
             if !any {
                 return;
             }
-            // Nodes that have been handed over move together; all of a corner share its node.
-            for [corner, folded] in
-                self.handed.iter().chain(self.handed.iter().rev()).map(|p| p.inline_map(|n| n as usize))
-            {
-                let halted = self.halted[corner] || self.halted[folded];
-                (self.halted[corner], self.halted[folded]) = (halted, halted);
-            }
+            self.halt_handed();
             for ((target, place), _) in self.target.iter_mut().zip(places).zip(&self.halted).filter(|n| *n.1) {
                 *target = *place;
             }
         }
         self.target.copy_from_slice(places);
+    }
+
+    /// Halts nodes that have been handed over together; all of a corner share its node.
+    fn halt_handed(&mut self) {
+        for [corner, folded] in self.handed.iter().chain(self.handed.iter().rev()).map(|p| p.inline_map(|n| n as usize))
+        {
+            let halted = self.halted[corner] || self.halted[folded];
+            (self.halted[corner], self.halted[folded]) = (halted, halted);
+        }
+    }
+
+    /// Takes back the new places of elements that contact has corrected until a corner is flat or has turned over: their nodes
+    /// follow the material in this change, except those whose place is prescribed.
+    pub fn take_back_corrected(
+        &mut self,
+        domain: &DomainTopology,
+        held_places: &HeldPlaces,
+        start: &[[f64; 2]],
+        end: &mut [[f64; 2]],
+    ) {
+        for attempt in 0..=RETRIES {
+            self.halted.fill(attempt == RETRIES);
+            for corners in &domain.corners {
+                let moves = corners.iter().any(|n| end[*n as usize] != start[*n as usize]);
+                let new = if moves { corner_shape(corners, end) } else { 1.0 };
+                if new < FLAT_CORNER && new < corner_shape(corners, start) {
+                    corners.iter().for_each(|n| self.halted[*n as usize] = true);
+                }
+            }
+            if !self.halted.contains(&true) {
+                return;
+            }
+            self.halt_handed();
+            for (n, end) in end.iter_mut().enumerate().filter(|(n, _)| self.halted[*n] && !held_places.is_held(*n)) {
+                *end = start[n];
+            }
+        }
     }
 }
 

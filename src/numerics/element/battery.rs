@@ -312,9 +312,11 @@ impl<'m, M: Material> Specimen<'m, M> {
             self.gradient.iter_mut().zip(now).for_each(|(list, value)| list[l] = value);
         }
         self.call_routines(&strain);
+        // Laws of the deformation gradient take the previous stress with its orientation.
+        let previous = if M::OF_GRADIENT { self.stress } else { strain.carried };
         material.update(&mut self.state, &mut self.stress, &strain, &mut update);
         let work = inline_from_fn(|l| {
-            let double = |k: usize| strain.strain[k][l] * (strain.carried[k][l] + self.stress[k][l]);
+            let double = |k: usize| strain.strain[k][l] * (previous[k][l] + self.stress[k][l]);
             0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)))
         });
         (update, work)

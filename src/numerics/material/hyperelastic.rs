@@ -78,6 +78,7 @@ impl Material for NeoHooke {
     type State = DeformationState;
     const MODULI_VARY: bool = true;
     const USES_SPIN: bool = true;
+    const OF_GRADIENT: bool = true;
 
     fn initial_state(&self, _start: &BlockStart) -> DeformationState {
         DeformationState::fresh()
@@ -118,7 +119,7 @@ impl Material for NeoHooke {
             update.bulk[l] =
                 bulk * (if j > 1.0 { 2.0 * j - 1.0 } else { 1.0 }) + if stiffer < 0.0 { 0.0 } else { stiffer };
         }
-        update.set_stress::<false, false>(stress, strain);
+        update.set_total_stress(stress, strain);
     }
 }
 
@@ -137,6 +138,7 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
     type State = DeformationState;
     const MODULI_VARY: bool = true;
     const USES_SPIN: bool = true;
+    const OF_GRADIENT: bool = true;
 
     fn initial_state(&self, _start: &BlockStart) -> DeformationState {
         DeformationState::fresh()
@@ -178,7 +180,7 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
         }
         let shape = self.shape.respond(&squares);
         self.set_response(&volume, &shape, &turn, update);
-        update.set_stress::<false, false>(stress, strain);
+        update.set_total_stress(stress, strain);
     }
 }
 

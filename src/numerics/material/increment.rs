@@ -170,4 +170,19 @@ impl StressUpdate {
             }
         }
     }
+
+    /// Sets the stress of a law of the deformation gradient, and adds its work: that of the mean of previous and new stress,
+    /// each with its orientation, so that it is the work of the forces to the third order of the increment (14.3).
+    #[inline(always)]
+    pub(super) fn set_total_stress(&mut self, stress: &mut [Lanes; 4], strain: &StrainIncrement) {
+        for l in 0..LANES {
+            let mean = self.mean[l];
+            let new = [0, 1, 2, 3].inline_map(|i| if i < 3 { mean + self.deviator[i][l] } else { self.deviator[i][l] });
+            let double = |i: usize| strain.strain[i][l] * (stress[i][l] + new[i]);
+            self.internal[l] += 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            for i in 0..4 {
+                stress[i][l] = new[i];
+            }
+        }
+    }
 }

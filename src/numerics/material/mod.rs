@@ -111,6 +111,9 @@ pub trait Material: Send + Sync + 'static {
     const FAILS: bool = false;
     /// Whether [`StrainIncrement::spin`] is used.
     const USES_SPIN: bool = false;
+    /// Whether the stress follows from the deformation gradient: its work is that of
+    /// [`StressUpdate::set_total_stress`](increment::StressUpdate::set_total_stress).
+    const OF_GRADIENT: bool = false;
     /// Whether [`StrainIncrement::place`] is used.
     const USES_PLACE: bool = false;
     /// Whether [`Material::calls`] calls user subroutines between the kinematics of elements and [`Material::update`].

@@ -10,7 +10,7 @@ use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
-use crate::kernel::shape::middle;
+use crate::kernel::shape::{is_corner_turned, middle};
 use crate::kernel::topology::ElementTopology;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
@@ -200,26 +200,40 @@ impl RunReport {
         }
     }
 
-    /// Warns once of elements whose section has turned over: at the axis their volume can be positive. Bodies whose elements
+    /// Warns once of elements whose section has turned over, for which volumes at the axis can be positive, and once of
+    /// corners that have in two checks or at the end of the run: a new mesh may replace them before. Bodies whose elements
     /// may be deleted are excluded.
-    pub(super) fn warn_of_sections(&mut self, run: &RunState<'_>) {
-        let groups = run.state.elements.groups.iter().enumerate();
-        let kept = groups.filter(|(_, elements)| !self.watch.sections_reported && !elements.properties().deletable);
-        let places = kept.flat_map(|(group, elements)| (0..elements.len()).map(move |element| (group, element)));
-        let mut turned = places.filter(|place| section_area(run, *place).is_some_and(|area| area <= 0.0));
-        let Some(place) = turned.next() else { return };
-        let (count, nodes) = (1 + turned.count(), run.state.elements.groups[place.0].nodes(place.1));
-        let [r, z] = middle([0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place()));
-        self.watch.sections_reported = true;
-        self.outcome.warn("R320", format!(
-            "at increment {}, time {:e} the section of element {} near (r = {r:.4e}, z = {z:.4e}) has turned over{}: results \
-             there are wrong, although its volume is positive{}",
-            run.now.increment,
-            run.now.total_time,
-            run.plan.element_name(place.0, place.1),
-            if count > 1 { format!(", and that of {} more", count - 1) } else { String::new() },
-            name_folding_remedy(run, place.0)
-        ));
+    pub(super) fn warn_of_sections(&mut self, run: &RunState<'_>, is_last: bool) {
+        if self.watch.sections_reported {
+            return;
+        }
+        if let Some(turned) =
+            TurnedElements::find(run, |place| section_area(run, place).is_some_and(|area| area <= 0.0))
+        {
+            self.watch.sections_reported = true;
+            let found =
+                format!("the section of element {} has turned over{}", turned.name_place(run), turned.name_others());
+            self.warn_of_turned(run, &turned, &found, "results there are wrong, although its volume is positive");
+        } else if !self.watch.corners_reported {
+            self.warn_of_corners(run, is_last);
+        }
+    }
+
+    fn warn_of_corners(&mut self, run: &RunState<'_>, is_last: bool) {
+        let turned = TurnedElements::find(run, |place| has_turned_corner(run, place));
+        let was_turned = std::mem::replace(&mut self.watch.corners_turned, turned.is_some());
+        if let Some(turned) = turned.filter(|_| was_turned || is_last) {
+            self.watch.corners_reported = true;
+            let found =
+                format!("a corner of element {} has turned over{}", turned.name_place(run), turned.name_others());
+            self.warn_of_turned(run, &turned, &found, "its shape is not convex, and results there are not reliable");
+        }
+    }
+
+    fn warn_of_turned(&mut self, run: &RunState<'_>, turned: &TurnedElements, found: &str, meaning: &str) {
+        let remedy = name_folding_remedy(run, turned.place.0);
+        let Instant { increment, total_time, .. } = run.now;
+        self.outcome.warn("R320", format!("at increment {increment}, time {total_time:e} {found}: {meaning}{remedy}"));
     }
 
     /// Returns why an element has failed, and a remedy.
@@ -272,6 +286,46 @@ impl RunReport {
         );
         HaltReason::EnergyLimit(HaltDetails::new(reason))
     }
+}
+
+/// Elements that have turned over: the group and index of the first one, and the number of others.
+struct TurnedElements {
+    place: (usize, usize),
+    others: usize,
+}
+
+impl TurnedElements {
+    /// Finds the elements of bodies without deletion that meet a condition; `None` without any.
+    fn find(run: &RunState<'_>, is_turned: impl Fn((usize, usize)) -> bool) -> Option<TurnedElements> {
+        let groups = run.state.elements.groups.iter().enumerate();
+        let remaining = groups.filter(|(_, elements)| !elements.properties().deletable);
+        let places = remaining.flat_map(|(group, elements)| (0..elements.len()).map(move |element| (group, element)));
+        let mut turned = places.filter(|place| is_turned(*place));
+        let place = turned.next()?;
+        Some(TurnedElements { place, others: turned.count() })
+    }
+
+    fn name_place(&self, run: &RunState<'_>) -> String {
+        let (group, element) = self.place;
+        let nodes = run.state.elements.groups[group].nodes(element);
+        let [r, z] = middle([0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place()));
+        format!("{} near (r = {r:.4e}, z = {z:.4e})", run.plan.element_name(group, element))
+    }
+
+    fn name_others(&self) -> String {
+        if self.others > 0 { format!(", and that of {} more", self.others) } else { String::new() }
+    }
+}
+
+/// Returns whether a corner of a quadrilateral or triangle has turned over.
+fn has_turned_corner(run: &RunState<'_>, (group, element): (usize, usize)) -> bool {
+    let group = &run.state.elements.groups[group];
+    let place = |n: u32| run.state.dofs.nodes[n as usize].place();
+    let is_turned = || {
+        let nodes = group.nodes(element);
+        is_corner_turned(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place)
+    };
+    group.topology() == ElementTopology::Quadrilateral && is_turned()
 }
 
 /// Returns the area of the section of an element; `None` if it does not have four corners.

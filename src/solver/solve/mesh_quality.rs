@@ -5,7 +5,7 @@ use super::run_state::RunState;
 use crate::element::elements::Elements;
 use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::smallest_sine;
+use crate::kernel::shape::{is_corner_turned, smallest_sine};
 use crate::kernel::topology::ElementTopology;
 use crate::plan::{AutomaticMeshes, FirstMesh, Plan, RemeshedBody, State};
 use crate::remesh::MeshRevision;
@@ -17,6 +17,8 @@ use crate::variables::Variable;
 const WORSE: f64 = 0.5;
 /// Plastic strain from which an element that limits the increment counts as squashed by plastic flow.
 const SQUASHED: f64 = 1.0;
+/// Number of checks of a body without a card between two searches for corners that have turned over.
+const SEARCH: u64 = 10;
 /// Excess of increments from which the first new mesh of a body without a card is worth its cost.
 const PRICE: f64 = 100.0;
 /// Ratio of stable time increments from which a new mesh of a body without a card has been worth its cost.
@@ -80,7 +82,11 @@ impl MeshQuality {
         }
         let elements = &run.state.elements;
         match trigger {
-            FirstMesh::Squashed(limit) => self.is_collapsed(group, limit, elements),
+            FirstMesh::Squashed(limit) => {
+                let searches = run.now.increment % (SEARCH * AutomaticMeshes::INTERVAL) < AutomaticMeshes::INTERVAL;
+                let is_folded = searches && trigger.follows_turned_corners() && has_folded(run, group);
+                self.is_collapsed(group, limit, elements) || is_folded
+            }
             FirstMesh::Sharp(limit) => {
                 let smallest = smallest_sines(&*elements.groups[group], &run.state).fold(1.0, f64::min);
                 if self.limit == 0.0 {
@@ -135,6 +141,17 @@ pub(super) fn is_squashed(elements: &Elements) -> bool {
     let strain =
         |(group, element): (usize, usize)| elements.groups[group].value(element, Variable::PlasticStrain.into());
     elements.limiting().and_then(strain).is_some_and(|strain| strain > SQUASHED)
+}
+
+/// Returns whether plastic flow has turned over a corner of an element of a group.
+pub(super) fn has_folded(run: &RunState<'_>, group: usize) -> bool {
+    let (elements, place) = (&*run.state.elements.groups[group], |n: u32| run.state.dofs.nodes[n as usize].place());
+    let strain = |element: usize| elements.value(element, Variable::PlasticStrain.into()).unwrap_or(0.0);
+    let is_turned = |element: &usize| {
+        let nodes = elements.nodes(*element);
+        is_corner_turned(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place)
+    };
+    (0..elements.len()).filter(is_turned).any(|element| strain(element) > SQUASHED)
 }
 
 /// Returns whether an element of a group limits the increment.

@@ -240,7 +240,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     let SolverRun { mut current, mut report, remesh, timing, .. } = run;
     let plan = current.plan;
     timing.position.iter().for_each(|position| position.end());
-    report.warn_of_sections(&current);
+    report.warn_of_sections(&current, true);
     if report.outcome.halt.is_none() {
         let halt = report.check_final_drift(&current).err();
         report.outcome.halt = halt.map(|halt| located(&current, halt, current.now));

@@ -8,7 +8,7 @@ use super::energy::EnergyBalance;
 use super::increment::IncrementController;
 use super::masses::MassMonitor;
 use super::mesh_patch::{can_have_patch, starts};
-use super::mesh_quality::RemeshMonitor;
+use super::mesh_quality::{RemeshMonitor, has_folded};
 use super::new_mesh_state::{ReplacedMesh, copy_unchanged_elements, take_over};
 use super::observe::RunOutput;
 use super::position::RunPosition;
@@ -180,6 +180,7 @@ pub(super) fn next_mesh(
     let first = waiting.map(|waiting| waiting.remesh_plan(&old_plan.places));
     let Some(remesh) = first.as_ref().or(old_plan.remesh.as_deref()) else { return Ok(None) };
     let planned = &remesh.bodies[body];
+    let is_folded = trigger.is_some_and(FirstMesh::follows_turned_corners) && has_folded(&run.current, planned.group);
     let Some(BodyRevision { old: old_mesh, living, left_out, revision }) =
         body_revision(&run.current, &run.remesh, body, remesh)
     else {
@@ -233,7 +234,7 @@ pub(super) fn next_mesh(
     quality.lost_energy += lost_energy;
     if planned.automatic && quality.is_first() {
         let counts = [old_mesh.quads.len(), revision.mesh.quads.len()].inline_map(|count| count - revision.unchanged);
-        warn_of_first_mesh(&mut next, (body, remesh), (trigger, counts), increments);
+        warn_of_first_mesh(&mut next, (body, remesh), (trigger, is_folded), counts, increments);
     }
     let row = plan.remesh.as_ref().and_then(|remesh| remesh.bodies[body].id);
     next.timing.add_whole(row, began.elapsed().as_secs_f64());
@@ -258,12 +259,13 @@ fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
     }
 }
 
-/// Reports that a body that no card names has a new mesh: the trigger, the numbers of replaced and of new elements, and the
+/// Reports that a body that no card names has a new mesh: the trigger, and whether an element has folded, the numbers of replaced and of new elements, and the
 /// stable time increments before and after it.
 fn warn_of_first_mesh(
     run: &mut SolverRun<'_>,
     (body, remesh): (usize, &RemeshPlan),
-    (trigger, [replaced, renewed]): (Option<FirstMesh>, [usize; 2]),
+    (trigger, is_folded): (Option<FirstMesh>, bool),
+    [replaced, renewed]: [usize; 2],
     [old, new]: [f64; 2],
 ) {
     let (material, all) = (&remesh.model.remeshings[body].set, remesh.bodies[body].quads.len());
@@ -278,6 +280,9 @@ fn warn_of_first_mesh(
             format!(
                 "smoothing has not kept the angles of the adaptive mesh of material {material} above {angle:.0} degrees, and"
             )
+        }
+        _ if is_folded => {
+            format!("plastic flow has turned over a corner of an element of the body of material {material}, and")
         }
         _ => format!("plastic flow has squashed elements of the body of material {material} until"),
     };

@@ -101,8 +101,11 @@ pub(super) struct RunMonitor {
     /// Whether warnings of a pattern and of small increments have been issued.
     pattern_reported: bool,
     slow_reported: bool,
-    /// Whether a section that has turned over has been reported.
+    /// Whether a section, and a corner, that has turned over has been reported.
     pub(super) sections_reported: bool,
+    pub(super) corners_reported: bool,
+    /// Whether the last check found a corner that has turned over.
+    pub(super) corners_turned: bool,
     /// Whether the last check found increments too small.
     slow: bool,
     /// Number of increments of the step with the increment of its first check; 0 before it.
@@ -219,7 +222,7 @@ impl RunReport {
         if run.now.increment >= self.watch.next_look {
             self.watch.next_look = run.now.increment + run.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern(run);
-            self.warn_of_sections(run);
+            self.warn_of_sections(run, false);
             run.masses.record_kinetic(run.balance.kinetic_of_solid(), &run.state);
             self.watch_pace(run);
             if let Some(warning) = self.watch.collapse.check(run) {

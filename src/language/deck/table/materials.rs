@@ -488,7 +488,7 @@ card!(SectionControls: "SECTION CONTROLS", "Hourglass, distortion and viscosity 
     weight: f64 = "WEIGHT FACTOR" (NUMBER.from(0.0).to(1.0).or(0.5)) "For COMBINED: weight of the stiffness relative to the viscosity",
     by_area: bool = "WEIGHTING" extension (word(&["VOLUME", "AREA"]).or(0.0)) "AREA: equations of motion integrated over the plane section",
     averaged: Option<bool> = "AVERAGED PRESSURE" extension (YES_NO) "For triangles of linear elasticity or rubber: YES averages the dilation over nodes; default YES for plastic materials, rubber and Poisson's ratio above 0.45",
-    subzonal: Option<bool> = "SUBZONAL" extension (YES_NO) "YES: subzonal pressures from the density of the element quarters; default YES for *EOS without shear modulus",
+    subzonal: Option<bool> = "SUBZONAL" extension (YES_NO) "YES: subzonal pressures from the density of the element quarters; default YES for *EOS without shear modulus on a mesh that follows the material",
     "PERTURBATION" refused "applies only to implicit analyses",
 } refused {
     "conversion to particles is unsupported": "CONVERSION CRITERION", "CONVERSION", "KERNEL", "PARTICLE";

@@ -43,6 +43,14 @@ pub enum FirstMesh {
     Sharp(f64),
 }
 
+impl FirstMesh {
+    /// Returns whether corners that turn over give a body its first new mesh: not in contact with faces of elements, whose
+    /// forces a new outline disturbs.
+    pub fn follows_turned_corners(self) -> bool {
+        self == FirstMesh::Squashed(AutomaticMeshes::COLLAPSED)
+    }
+}
+
 impl AutomaticMeshes {
     /// Fraction of the largest stable time increment below which squashed elements are worth a new mesh.
     const COLLAPSED: f64 = 0.3;

@@ -1,5 +1,6 @@
 //! Materials of deformable solids: selects the material laws of an element group from the cards of its material.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::deck::{Diagnostic, Span};
@@ -373,17 +374,25 @@ fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: 
     (deletion_margin, keep_elements)
 }
 
+/// Returns whether a card of the deck changes the mesh of a section.
+fn has_changing_mesh(model: &Model, section: &SolidSection) -> bool {
+    let elements: BTreeSet<usize> = section.elements.iter().copied().collect();
+    let remeshed = model.remeshings.iter().filter(|card| !card.automatic).map(|card| &card.elements);
+    let adaptive = model.steps.iter().flat_map(|step| &step.adaptive).map(|domain| &domain.elements);
+    remeshed.chain(adaptive).flatten().any(|element| elements.contains(element))
+}
+
 /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
-/// without shear modulus.
+/// without shear modulus, if their mesh follows the material.
 fn subzonal(input: &GroupInput, report: &mut Report) -> Option<bool> {
-    let GroupInput { section, material, .. } = *input;
+    let GroupInput { model, section, material, .. } = *input;
     let requested = section.controls.subzonal;
     let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
     if requested == Some(true) && !fluid {
         let message = "SUBZONAL=YES needs *EOS and no shear modulus";
         return report.refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
     }
-    let subzonal = fluid && requested != Some(false);
+    let subzonal = fluid && requested.unwrap_or_else(|| !has_changing_mesh(model, section));
     if subzonal {
         let detail = "pressures from the density of the element quarters";
         report.ledger_row(section.span, "subzonal pressures", input.elements.len(), "elements", detail.into());
