@@ -13,6 +13,9 @@ pub fn tension_share(principal: [f64; 3]) -> f64 {
     if principal[2] <= 0.0 {
         return 0.0;
     }
+    if principal[0] >= 0.0 {
+        return 1.0;
+    }
     let [low, middle, high] = principal.inline_map(|s| if s > 0.0 { s } else { 0.0 });
     let positive = low + middle + high;
     // The sum of absolute values.
@@ -126,7 +129,8 @@ impl ConcretePath<'_> {
     pub fn outside(&self, state: &ConcreteState) -> f64 {
         let strengths = [0, 1].inline_map(|side| {
             let change = state.strains[side];
-            if change > 0.0 {
+            // Without a tensile stress the tensile strength is not needed.
+            if change > 0.0 && (side == 0 || state.principal[2] > 0.0) {
                 self.tables[side].effective_at(self.start[side] + change, change * self.per_dt)
             } else {
                 self.start_strengths[side]

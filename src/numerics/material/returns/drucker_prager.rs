@@ -170,6 +170,9 @@ struct ReturnIncrement<'a> {
     /// Invariants of the test with a stress of 1.
     test: Invariants,
     per_dt: f64,
+    /// One over three times the shear modulus, and one over the yield stress before the increment.
+    per_shear3: f64,
+    per_yield_stress: f64,
     /// Direction of the deviatoric flow of the linear form.
     direction: [f64; 4],
     /// Equivalent plastic strain per plastic multiplier of the linear form; rounding of the potential of the other forms.
@@ -210,7 +213,7 @@ impl DruckerPrager {
     fn rounding(&self) -> f64 {
         match self.shape {
             DruckerPragerShape::Linear { .. } => 0.0,
-            _ => self.eccentricity * self.hardening.value(0.0) * self.dilatancy,
+            _ => self.eccentricity * self.hardening.rows.first().map_or(0.0, |row| row[0]) * self.dilatancy,
         }
     }
 
@@ -230,6 +233,7 @@ impl<'a> ReturnIncrement<'a> {
         let strength_before = law.shape.strength(law.test, factor * hardening.value);
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let (direction, per_multiplier, rounding) = ([0.0; 4], 0.0, 0.0);
+        let (per_shear3, per_yield_stress) = (1.0 / (3.0 * law.moduli.shear), 1.0 / hardening.value);
         ReturnIncrement {
             law,
             trial,
@@ -238,6 +242,8 @@ impl<'a> ReturnIncrement<'a> {
             strength_before,
             test: law.test.invariants(1.0),
             per_dt,
+            per_shear3,
+            per_yield_stress,
             direction,
             per_multiplier,
             rounding,
@@ -293,9 +299,11 @@ impl<'a> ReturnIncrement<'a> {
         let ReturnIncrement { law, trial, .. } = self;
         let potential = self.potential(mises);
         // The derivative of the potential by the von Mises stress is the von Mises stress over the potential.
-        let multiplier = (trial.mises - mises) * potential / (3.0 * law.moduli.shear * mises);
-        let pressure = trial.pressure + law.moduli.bulk * multiplier * law.dilatancy;
-        let work = multiplier * (mises * mises / potential - pressure * law.dilatancy);
+        let strain = (trial.mises - mises) * self.per_shear3;
+        // Plastic dilation.
+        let dilation = law.dilatancy * strain * potential / mises;
+        let pressure = trial.pressure + law.moduli.bulk * dilation;
+        let work = strain * mises - pressure * dilation;
         let measure = law.shape.measure(Invariants { pressure, mises, third: 0.0 });
         PathState { pressure, hardening: self.strain_of_work(work), measure }
     }
@@ -310,7 +318,7 @@ impl<'a> ReturnIncrement<'a> {
     #[inline(always)] // Into the return of each point.
     fn strain_of_work(&self, work: f64) -> f64 {
         // Work over the yield stress in the middle of the increment.
-        let estimate = work.max(0.0) / self.hardening.value;
+        let estimate = work.max(0.0) * self.per_yield_stress;
         let middle = self.hardening.at(self.strain_before + 0.5 * estimate);
         if middle == self.hardening.value { estimate } else { work.max(0.0) / middle }
     }
@@ -365,8 +373,8 @@ impl<'a> ReturnIncrement<'a> {
         let [by_mises, by_pressure] = law.shape.slopes(q);
         let potential = self.potential(q);
         // Derivatives of the plastic multiplier and of the hardening strain by the falling von Mises stress.
-        let multiplier = potential / (3.0 * shear * q);
-        let strain = multiplier * (q * q / potential - trial.pressure * law.dilatancy) / self.hardening.value;
+        let multiplier = potential * self.per_shear3 / q;
+        let strain = (q * self.per_shear3 - multiplier * trial.pressure * law.dilatancy) * self.per_yield_stress;
         let perfect = by_mises + by_pressure * bulk * law.dilatancy * multiplier;
         let slope = perfect + self.slope_of_strength() * strain.max(0.0);
         let start = Start { start: q, first, guess: q - first / slope.max(0.1 * perfect) };

@@ -3,7 +3,7 @@
 
 use super::law::{ReturnPoint, StressReturn};
 use super::porous_return::{PorousIncrement, TOLERANCE};
-use crate::kernel::hardening::LinearTable;
+use crate::kernel::hardening::{LinearTable, TableLine};
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::transcendental::exp_of;
 use crate::variables::{Variable, VariableComponent};
@@ -81,6 +81,21 @@ impl PorousMetal {
     }
 }
 
+impl PorousMetal {
+    /// Returns the state before an increment with the von Mises stress and the mean stress of the trial.
+    #[inline(always)] // Into the return of each point.
+    fn increment<'a>(
+        &self,
+        strain: f64,
+        hardening: TableLine<'a>,
+        voids: f64,
+        [mises, mean]: [f64; 2],
+    ) -> PorousIncrement<'a> {
+        let (per_shear3, per_yield_stress) = (1.0 / (3.0 * self.moduli.shear), 1.0 / hardening.value);
+        PorousIncrement { strain, hardening, voids, mises, mean, per_shear3, per_yield_stress }
+    }
+}
+
 impl StressReturn for PorousMetal {
     fn describe(&self) -> String {
         "porous metal (Gurson)".to_owned()
@@ -114,13 +129,8 @@ impl StressReturn for PorousMetal {
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = point.trial;
         let strain = point.state[STRAIN];
-        let before = PorousIncrement {
-            strain,
-            voids: point.state[VOIDS],
-            hardening: self.hardening.line(strain),
-            mises: trial.mises,
-            mean: -trial.pressure,
-        };
+        let (hardening, voids) = (self.hardening.line(strain), point.state[VOIDS]);
+        let before = self.increment(strain, hardening, voids, [trial.mises, -trial.pressure]);
         let first = self.trial(&before);
         // A NaN is not returned, so that the run halts.
         if first.excess.is_nan() || first.excess <= TOLERANCE {
@@ -184,7 +194,7 @@ mod tests {
             let end = TrialStress::of(stress);
             let (strain, voids) = (state[STRAIN], state[VOIDS]);
             let hardening = law.hardening.line(strain);
-            let before = PorousIncrement { strain, hardening, voids, mises: end.mises, mean: -end.pressure };
+            let before = law.increment(strain, hardening, voids, [end.mises, -end.pressure]);
             let excess = law.trial(&before).excess;
             assert!(excess.abs() < 1e-6 && state[STRAIN] > 0.0, "{volume} {shear}: {excess}");
             assert_eq!(deleted, voids >= 0.25);

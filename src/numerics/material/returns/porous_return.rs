@@ -23,6 +23,19 @@ pub(super) struct PorousIncrement<'a> {
     pub voids: f64,
     pub mises: f64,
     pub mean: f64,
+    /// One over three times the shear modulus, and one over the yield stress before the increment.
+    pub per_shear3: f64,
+    pub per_yield_stress: f64,
+}
+
+/// Returns exp(x) - 1.
+#[inline(always)] // Into the return of each point.
+fn change_of_exponential(x: f64) -> f64 {
+    // Six terms of the series suffice for the strain of an increment.
+    if x.abs() > 0.002 {
+        return libm::expm1(x);
+    }
+    x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0))))))
 }
 
 /// State after an increment with a given flow.
@@ -35,6 +48,7 @@ pub(super) struct Flowed {
     /// Nucleating void volume fraction per plastic strain.
     nucleation: f64,
     yield_stress: f64,
+    per_yield_stress: f64,
     /// Effective void volume fraction f*, and its derivative by the void volume fraction.
     effective: [f64; 2],
     /// Hyperbolic cosine and sine of 1.5 q2 mean/yield.
@@ -53,11 +67,11 @@ impl PorousMetal {
     pub(super) fn flowed(&self, before: &PorousIncrement<'_>, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
-        let work = (mises * (before.mises - mises) / (3.0 * self.moduli.shear) + mean * dilation).max(0.0);
+        let work = (mises * (before.mises - mises) * before.per_shear3 + mean * dilation).max(0.0);
         // Growth of voids in an incompressible matrix, whose work is done at the yield stress in the middle.
-        let grown = before.voids - (1.0 - before.voids) * libm::expm1(-dilation);
+        let grown = before.voids - (1.0 - before.voids) * change_of_exponential(-dilation);
         let scaled_work = work / (1.0 - 0.5 * (before.voids + grown));
-        let middle = before.strain + 0.5 * scaled_work / before.hardening.value;
+        let middle = before.strain + 0.5 * scaled_work * before.per_yield_stress;
         let gained = scaled_work / before.hardening.at(middle);
         let strain = before.strain + gained;
         let nucleation = match self.nucleation {
@@ -66,19 +80,34 @@ impl PorousMetal {
         };
         let voids = (grown + nucleation * gained).max(0.0);
         let yield_stress = before.hardening.at(strain);
+        let per_yield_stress = 1.0 / yield_stress;
         let effective = self.effective(voids);
-        let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
-        let excess = self.excess(mises / yield_stress, effective[0], cosh);
-        let mismatch = dilation - flow * self.dilatancy(yield_stress) * effective[0] * sinh;
-        Flowed { mises, mean, strain, voids, nucleation, yield_stress, effective, cosh, sinh, excess, mismatch }
+        let [cosh, sinh] = self.hyperbolic(mean * per_yield_stress);
+        let excess = self.excess(mises * per_yield_stress, effective[0], cosh);
+        let mismatch = dilation - flow * self.dilatancy(before, yield_stress) * effective[0] * sinh;
+        Flowed {
+            mises,
+            mean,
+            strain,
+            voids,
+            nucleation,
+            yield_stress,
+            per_yield_stress,
+            effective,
+            cosh,
+            sinh,
+            excess,
+            mismatch,
+        }
     }
 
-    /// Returns the hyperbolic cosine and sine of 1.5 q2 mean/yield.
+    /// Returns the hyperbolic cosine and sine of 1.5 q2 times a mean stress over the yield stress.
     #[inline(always)] // Into the return of each point.
-    fn hyperbolic(&self, mean: f64, yield_stress: f64) -> [f64; 2] {
-        let ratio = 1.5 * self.constants[1] * mean / yield_stress;
+    fn hyperbolic(&self, mean_ratio: f64) -> [f64; 2] {
+        let ratio = 1.5 * self.constants[1] * mean_ratio;
         let exponential = exp_of(ratio.clamp(-LARGEST_RATIO, LARGEST_RATIO));
-        [0.5 * (exponential + 1.0 / exponential), 0.5 * (exponential - 1.0 / exponential)]
+        let inverse = 1.0 / exponential;
+        [0.5 * (exponential + inverse), 0.5 * (exponential - inverse)]
     }
 
     /// Returns the yield function for the von Mises stress over the yield stress, f*, and the hyperbolic cosine.
@@ -92,11 +121,11 @@ impl PorousMetal {
     /// Returns the state of the trial, without nucleation: [`Self::flowed`] without flow, but faster.
     #[inline(always)] // Into the return of each point.
     pub(super) fn trial(&self, before: &PorousIncrement<'_>) -> Flowed {
-        let &PorousIncrement { strain, hardening, voids, mises, mean } = before;
+        let &PorousIncrement { strain, hardening, voids, mises, mean, per_yield_stress, .. } = before;
         let yield_stress = hardening.value;
-        let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
+        let [cosh, sinh] = self.hyperbolic(mean * per_yield_stress);
         let effective = self.effective(voids);
-        let excess = self.excess(mises / yield_stress, effective[0], cosh);
+        let excess = self.excess(mises * per_yield_stress, effective[0], cosh);
         Flowed {
             mises,
             mean,
@@ -104,6 +133,7 @@ impl PorousMetal {
             voids,
             nucleation: 0.0,
             yield_stress,
+            per_yield_stress,
             effective,
             cosh,
             sinh,
@@ -114,51 +144,55 @@ impl PorousMetal {
 
     /// Returns the plastic dilation over flow, f* and the hyperbolic sine.
     #[inline(always)] // Into the return of each point.
-    fn dilatancy(&self, yield_stress: f64) -> f64 {
-        self.constants[0] * self.constants[1] * yield_stress / (2.0 * self.moduli.shear)
+    fn dilatancy(&self, before: &PorousIncrement<'_>, yield_stress: f64) -> f64 {
+        1.5 * self.constants[0] * self.constants[1] * yield_stress * before.per_shear3
     }
 
     /// Returns the state on the yield surface by Newton's method from the trial; `None` if it does not converge.
     pub(super) fn newton(&self, before: &PorousIncrement<'_>, trial: Flowed) -> Option<Flowed> {
         let [q1, q2, q3] = self.constants;
-        let ElasticModuli { bulk, shear } = self.moduli;
+        let ElasticModuli { bulk, .. } = self.moduli;
         let largest = before.mean / bulk;
         let [mut flow, mut dilation] = [0.0, 0.0];
         let mut now = trial;
         for _ in 0..NEWTON_STEPS {
             let gained = now.strain - before.strain;
-            let Flowed { mises, mean, yield_stress, effective: [effective, growth], cosh, sinh, .. } = now;
+            let Flowed {
+                mises, mean, yield_stress, per_yield_stress, effective: [effective, growth], cosh, sinh, ..
+            } = now;
             // Partial derivatives: of the yield stress and f* by the work on the matrix, ...
             let solid = 1.0 - now.voids;
             let slope =
                 if gained > 0.0 { (yield_stress - before.hardening.value) / gained } else { before.hardening.slope };
-            let yield_by_work = slope / (solid * yield_stress);
-            let voids_by_work = growth * now.nucleation / (solid * yield_stress);
+            let per_work = per_yield_stress / solid;
+            let [yield_by_work, voids_by_work] = [slope * per_work, growth * now.nucleation * per_work];
             // of the yield function and the flow rule by these two, ...
-            let (square, angle) = (mises * mises / (yield_stress * yield_stress), 1.5 * q2 / yield_stress);
-            let spread = self.dilatancy(yield_stress);
-            let by_yield = -2.0 * (square + q1 * effective * sinh * angle * mean) / yield_stress;
+            let (square, angle) =
+                ((mises * per_yield_stress) * (mises * per_yield_stress), 1.5 * q2 * per_yield_stress);
+            let spread = self.dilatancy(before, yield_stress);
+            let by_yield = -2.0 * (square + q1 * effective * sinh * angle * mean) * per_yield_stress;
             let by_voids = 2.0 * (q1 * cosh - q3 * effective);
-            let flow_by_yield = -flow * spread * effective * (sinh - cosh * angle * mean) / yield_stress;
+            let flow_by_yield = -flow * spread * effective * (sinh - cosh * angle * mean) * per_yield_stress;
             let flow_by_voids = -flow * spread * sinh;
             let by_work = by_yield * yield_by_work + by_voids * voids_by_work;
             let flow_by_work = flow_by_yield * yield_by_work + flow_by_voids * voids_by_work;
             // and of the work. Then those of the yield function (a, b) and the flow rule (c, d) by flow and dilation.
-            let work_by_flow = mises / (1.0 + flow) * (2.0 * mises - before.mises) / (3.0 * shear);
+            let per_flow = 1.0 / (1.0 + flow);
+            let work_by_flow = mises * per_flow * (2.0 * mises - before.mises) * before.per_shear3;
             let work_by_dilation = mean - bulk * dilation;
-            let a = by_work * work_by_flow - 2.0 * square / (1.0 + flow);
+            let a = by_work * work_by_flow - 2.0 * square * per_flow;
             let b = by_work * work_by_dilation + by_voids * growth * solid - 2.0 * q1 * effective * sinh * angle * bulk;
             let c = flow_by_work * work_by_flow - spread * effective * sinh;
             let d = flow_by_work * work_by_dilation
                 + flow_by_voids * growth * solid
                 + (1.0 + flow * spread * effective * cosh * angle * bulk);
-            let determinant = a * d - b * c;
+            let per_determinant = 1.0 / (a * d - b * c);
             // The yield function without voids is linear in (1 + flow)^-2; so a step is straight in this variable.
-            let step = (now.mismatch * b - now.excess * d) / determinant;
-            let straight = 1.0 - 2.0 * step / (1.0 + flow);
+            let step = (now.mismatch * b - now.excess * d) * per_determinant;
+            let straight = 1.0 - 2.0 * step * per_flow;
             flow = if straight > 0.1 { (1.0 + flow) / straight.sqrt() - 1.0 } else { flow + step };
             flow = flow.max(0.0);
-            dilation -= (now.mismatch * a - now.excess * c) / determinant;
+            dilation -= (now.mismatch * a - now.excess * c) * per_determinant;
             // The mean stress does not change its sign.
             dilation = dilation.max(largest.min(0.0)).min(largest.max(0.0));
             now = self.flowed(before, flow, dilation);

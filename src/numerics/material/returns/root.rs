@@ -40,7 +40,8 @@ pub fn bracketed_root(mut positive: f64, mut other: f64, tolerance: f64, functio
 
 /// Returns the root next to `start`, where the function has the positive value `first`, on the way to `limit`, which may be
 /// infinite (then with a guess); `None` if the function is positive up to there. The guess is where the tangent at `start` is
-/// zero. Secants through the last two points follow. Returns are short compared with the way, so that a few suffice.
+/// zero. Secants through the last two points follow, with the curvature of the inverse function from the point before them
+/// (inverse quadratic interpolation). Returns are short compared with the way, so that a few suffice.
 #[inline(always)] // Into each law: the function is called a few times only.
 pub fn nearby_root(start: Start, limit: f64, tolerance: f64, function: impl Fn(f64) -> f64) -> Option<f64> {
     nearby_state(start, limit, tolerance, |x| (function(x), ())).map(|(root, ())| root)
@@ -62,6 +63,8 @@ pub fn nearby_state<T>(
     // Bound of the way: a place where the function is negative, once there is one.
     let (mut bound, mut is_bracketed) = (limit, false);
     let mut next = guess;
+    // Inverse slope between the two points before the last secant, at first the tangent, and the value at the first of them.
+    let (mut inverse, mut earlier_value) = ((start - guess) / first, first);
     for iteration in 0..ITERATIONS {
         if !(forward * (next - positive) > 0.0 && forward * (bound - next) > 0.0) {
             next = inside(start, [positive, bound, next], forward, iteration == 0, is_bracketed);
@@ -82,11 +85,15 @@ pub fn nearby_state<T>(
             let root = bracketed_root(positive, bound, tolerance, |x| function(x).0);
             return Some((root, function(root).1));
         }
-        let secant = next - value * (next - last) / (value - last_value);
+        let slope = (next - last) / (value - last_value);
+        let bend = (slope - inverse) * last_value / (value - earlier_value);
+        let is_smooth = bend.abs() < SMOOTH * slope.abs();
+        let candidate = next - value * if is_smooth { slope - bend } else { slope };
         // Far from the root of a function without a bound, secants may be much too long.
-        let is_short = is_bracketed || (secant - start).abs() <= LONGEST * (next - start).abs();
+        let is_short = is_bracketed || (candidate - start).abs() <= LONGEST * (next - start).abs();
+        (inverse, earlier_value) = (slope, last_value);
         (last, last_value) = (next, value);
-        next = if is_short { secant } else { f64::NAN };
+        next = if is_short { candidate } else { f64::NAN };
     }
     None
 }
@@ -121,6 +128,8 @@ const SECANTS: usize = 8;
 const FIRST_STEP: f64 = 1e-4;
 const GROWTH: f64 = 8.0;
 const LONGEST: f64 = 1e3;
+/// Largest change of the inverse slope by its curvature, over the slope; kinks have larger ones.
+const SMOOTH: f64 = 0.3;
 
 #[cfg(test)]
 mod tests {
