@@ -61,6 +61,24 @@ struct DistensionPath {
     slope: f64,
 }
 
+/// State of the pores of a point.
+#[derive(Clone, Copy)]
+struct PorousPoint {
+    pressure: f64,
+    distension: f64,
+    /// Volume of the solid per mass.
+    solid_volume: f64,
+    /// Slope of the elastic line, distension over pressure.
+    slope: f64,
+}
+
+impl PorousPoint {
+    /// Returns the work per mass that the pores do on the elastic line until the pressure vanishes.
+    fn recoverable(self) -> f64 {
+        -0.5 * self.slope * self.pressure * self.pressure * self.solid_volume
+    }
+}
+
 impl PorousCompaction {
     /// Creates the law from the solid, the sound speed and porosity at the start, and the pressures at which compaction begins
     /// and ends. Equation (7.15).
@@ -102,11 +120,6 @@ impl PorousCompaction {
         let start = self.start_of_point();
         let fixed = self.stiffness(1.0 / self.initial_density(), start.current);
         fixed / (1.0 - fixed / start.current * self.path(start.smallest).slope)
-    }
-
-    /// Returns the specific volume at zero pressure and energy, with a smallest distension so far.
-    pub fn unloaded_volume(&self, smallest: f64) -> f64 {
-        self.distension(self.path(smallest), 0.0) / self.solid.density
     }
 
     /// Returns the elastic slope d(alpha)/dp at a distension. Equation (7.15).
@@ -203,6 +216,13 @@ impl PorousCompaction {
         }
     }
 
+    /// Returns the energy per mass that the collapse of pores dissipates between two states: the work of the pressure on
+    /// the distension, less the change of the recoverable part of it. Equation (7.17).
+    fn collapse_energy(before: PorousPoint, after: PorousPoint) -> f64 {
+        let work = 0.25 * (before.pressure + after.pressure) * (before.solid_volume + after.solid_volume);
+        work * (before.distension - after.distension) - (after.recoverable() - before.recoverable())
+    }
+
     /// Updates pressure and distensions of a lane; returns its energy. Equation (7.16).
     pub(super) fn advance_lane(
         &self,
@@ -213,6 +233,7 @@ impl PorousCompaction {
     ) -> f64 {
         let volume = specific_volume(update, l);
         let path = self.path(state.smallest);
+        let distension_before = state.current;
         let pressure = |distension: f64| {
             let line = self.line(volume, distension);
             line.cold + line.per_energy * advance_energy(update, l, line, energy, 0.0)
@@ -222,11 +243,22 @@ impl PorousCompaction {
         let energy = advance(update, l, self.line(volume, distension), energy, [0.0, self.solid.floor()]);
         let pressure = -update.mean[l];
         state.current = distension;
+        let mut slope = path.slope;
         if pressure > path.meeting[0] {
             state.smallest = distension;
+            slope = self.path(distension).slope;
+            let volume_before = volume - update.middle[l] * update.dilation[l] / update.mass[l];
+            // Crushing begins where the elastic line meets the crush curve.
+            let [pressure_before, crushed_before] = path.meeting;
+            let solid_volume = volume_before / distension_before;
+            let before =
+                PorousPoint { pressure: pressure_before, distension: crushed_before, solid_volume, slope: path.slope };
+            let after = PorousPoint { pressure, distension, solid_volume: volume / distension, slope };
+            let is_element = update.middle[l] > 0.0;
+            let mass = if is_element { update.mass[l] } else { 0.0 };
+            update.compacted[l] = mass * PorousCompaction::collapse_energy(before, after);
         }
         // The elastic change of the distension makes the material softer than at a fixed distension.
-        let slope = self.path(state.smallest).slope;
         let softer = 1.0 - (update.bulk[l] - pressure) / distension * slope;
         update.bulk[l] /= if softer > 1.0 { softer } else { 1.0 };
         energy

@@ -186,6 +186,7 @@ impl Tabulated {
             bulk: ones,
             viscous: ones,
             heat: ones,
+            compacted: ones,
             dilation: ones,
             work: ones,
             middle: ones,

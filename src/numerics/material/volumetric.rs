@@ -93,6 +93,8 @@ pub struct PressureUpdate {
     pub viscous: Lanes,
     /// Result: estimated work of the bulk viscosity.
     pub heat: Lanes,
+    /// Result: energy that the collapse of pores dissipates; 0 on entry.
+    pub compacted: Lanes,
     /// Volumetric strain increment.
     pub dilation: Lanes,
     /// Work of the deviatoric stress in the increment, energy.

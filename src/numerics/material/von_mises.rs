@@ -230,6 +230,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             bulk: update.bulk,
             viscous: strain.viscous,
             heat: update.heat,
+            compacted: [0.0; LANES],
             dilation,
             work,
             middle: strain.volume,
@@ -238,6 +239,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
         };
         self.volumetric.update_pressure(state, &mut pressures);
         (update.mean, update.bulk, update.heat) = (pressures.mean, pressures.bulk, pressures.heat);
+        for l in 0..LANES {
+            update.dissipated[l] += pressures.compacted[l];
+        }
     }
 
     /// Applies failure to the stress of the undamaged material. The added work becomes that of the degraded stress;

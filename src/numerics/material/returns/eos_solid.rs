@@ -62,16 +62,12 @@ impl PointPressure {
                 state[ENERGY] = advance(update, 0, law.line(update.volume[0]), before, [0.0; 2]);
             }
             PointPressure::Porous(law) => {
-                let previous = -update.mean[0];
                 let mut distension = PointDistension { smallest: state[SMALLEST], current: state[CURRENT] };
-                let unloaded = law.unloaded_volume(distension.smallest);
                 state[ENERGY] = law.advance_lane(&mut distension, before, update, 0);
                 (state[SMALLEST], state[CURRENT]) = (distension.smallest, distension.current);
-                let mean = 0.5 * (previous - update.mean[0]);
-                return mean * (unloaded - law.unloaded_volume(distension.smallest));
             }
         }
-        0.0
+        update.compacted[0]
     }
 }
 
@@ -129,6 +125,7 @@ impl StressReturn for EosSolid {
             bulk: of_point(0.0),
             viscous: of_point(0.0),
             heat: of_point(0.0),
+            compacted: of_point(0.0),
             dilation: of_point(dilation),
             work: of_point(middle * contraction(both, point.strain)),
             middle: of_point(middle),
