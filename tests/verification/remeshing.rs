@@ -330,7 +330,7 @@ fn corners_that_turn_over_are_reported() {
             + &format!("*Boundary, amplitude=A\n MIDDLE, 1, 2, {displacement}\n*End Step\n");
         let (outcome, _) = solid::run(&deck);
         assert_eq!(outcome.halt, None);
-        let warning = outcome.warnings.iter().find(|warning| warning.starts_with("R320"));
+        let warning = outcome.warnings.iter().find(|warning| warning.starts_with("R327"));
         println!("{displacement}: {warning:?}");
         assert_eq!(warning.is_some(), is_turned);
         assert!(warning.is_none_or(|warning| warning.contains("a corner of element 4 near")), "{warning:?}");

@@ -172,7 +172,7 @@ impl StressUpdate {
     }
 
     /// Sets the stress of a law of the deformation gradient, and adds its work: that of the mean of previous and new stress,
-    /// each with its orientation, so that it is the work of the forces to the third order of the increment (14.3).
+    /// each with its orientation, so that it is the work of the forces to the third order of the increment. Equation (14.3).
     #[inline(always)]
     pub(super) fn set_total_stress(&mut self, stress: &mut [Lanes; 4], strain: &StrainIncrement) {
         for l in 0..LANES {

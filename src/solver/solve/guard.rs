@@ -200,20 +200,21 @@ impl RunReport {
         }
     }
 
-    /// Warns once of elements whose section has turned over, for which volumes at the axis can be positive, and once of
-    /// corners that have in two checks or at the end of the run: a new mesh may replace them before. Bodies whose elements
-    /// may be deleted are excluded.
+    /// Warns once of elements whose section has turned over or that have passed the axis, for which volumes can be positive, and
+    /// once of corners that have turned over in two checks or at the end of the run: a new mesh may replace them before. Bodies
+    /// whose elements may be deleted are excluded.
     pub(super) fn warn_of_sections(&mut self, run: &RunState<'_>, is_last: bool) {
         if self.watch.sections_reported {
             return;
         }
-        if let Some(turned) =
-            TurnedElements::find(run, |place| section_area(run, place).is_some_and(|area| area <= 0.0))
-        {
+        let is_turned = |place| section_area(run, place).is_some_and(|area| area <= 0.0);
+        if let Some(turned) = TurnedElements::find(run, is_turned) {
             self.watch.sections_reported = true;
-            let found =
-                format!("the section of element {} has turned over{}", turned.name_place(run), turned.name_others());
-            self.warn_of_turned(run, &turned, &found, "results there are wrong, although its volume is positive");
+            let meaning = "results there are wrong, although its volume is positive";
+            self.warn_of_turned(run, &turned, ["R320", "the section", "has turned over", meaning]);
+        } else if let Some(turned) = TurnedElements::find(run, |place| has_passed_axis(run, place)) {
+            self.watch.sections_reported = true;
+            self.warn_of_turned(run, &turned, ["R320", "a node", "has passed the axis", "results there are wrong"]);
         } else if !self.watch.corners_reported {
             self.warn_of_corners(run, is_last);
         }
@@ -224,16 +225,24 @@ impl RunReport {
         let was_turned = std::mem::replace(&mut self.watch.corners_turned, turned.is_some());
         if let Some(turned) = turned.filter(|_| was_turned || is_last) {
             self.watch.corners_reported = true;
-            let found =
-                format!("a corner of element {} has turned over{}", turned.name_place(run), turned.name_others());
-            self.warn_of_turned(run, &turned, &found, "its shape is not convex, and results there are not reliable");
+            let meaning = "its shape is not convex, and results there are not reliable";
+            self.warn_of_turned(run, &turned, ["R327", "a corner", "has turned over", meaning]);
         }
     }
 
-    fn warn_of_turned(&mut self, run: &RunState<'_>, turned: &TurnedElements, found: &str, meaning: &str) {
-        let remedy = name_folding_remedy(run, turned.place.0);
-        let Instant { increment, total_time, .. } = run.now;
-        self.outcome.warn("R320", format!("at increment {increment}, time {total_time:e} {found}: {meaning}{remedy}"));
+    fn warn_of_turned(&mut self, run: &RunState<'_>, turned: &TurnedElements, words: [&str; 4]) {
+        let ([code, part, event, meaning], (group, element)) = (words, turned.place);
+        let nodes = run.state.elements.groups[group].nodes(element);
+        let [r, z] = middle([0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place()));
+        let text = format!(
+            "at increment {}, time {:e} {part} of element {} near (r = {r:.4e}, z = {z:.4e}) {event}{}: {meaning}{}",
+            run.now.increment,
+            run.now.total_time,
+            run.plan.element_name(group, element),
+            if turned.others > 0 { format!(", and that of {} more", turned.others) } else { String::new() },
+            name_folding_remedy(run, group)
+        );
+        self.outcome.warn(code, text);
     }
 
     /// Returns why an element has failed, and a remedy.
@@ -304,17 +313,17 @@ impl TurnedElements {
         let place = turned.next()?;
         Some(TurnedElements { place, others: turned.count() })
     }
+}
 
-    fn name_place(&self, run: &RunState<'_>) -> String {
-        let (group, element) = self.place;
-        let nodes = run.state.elements.groups[group].nodes(element);
-        let [r, z] = middle([0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place()));
-        format!("{} near (r = {r:.4e}, z = {z:.4e})", run.plan.element_name(group, element))
-    }
+/// Depth beyond the axis of a node that has passed it, over the radial extent of its element.
+const BEYOND_AXIS: f64 = 1e-6;
 
-    fn name_others(&self) -> String {
-        if self.others > 0 { format!(", and that of {} more", self.others) } else { String::new() }
-    }
+/// Returns whether a node of a quadrilateral or triangle has passed the axis.
+fn has_passed_axis(run: &RunState<'_>, (group, element): (usize, usize)) -> bool {
+    let group = &run.state.elements.groups[group];
+    let radii = || group.nodes(element).into_iter().map(|n| run.state.dofs.nodes[n as usize].r);
+    let [least, largest] = radii().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], r| [a.min(r), b.max(r)]);
+    group.topology() == ElementTopology::Quadrilateral && least < -BEYOND_AXIS * (largest - least)
 }
 
 /// Returns whether a corner of a quadrilateral or triangle has turned over.

@@ -259,8 +259,8 @@ fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
     }
 }
 
-/// Reports that a body that no card names has a new mesh: the trigger, and whether an element has folded, the numbers of replaced and of new elements, and the
-/// stable time increments before and after it.
+/// Reports that a body that no card names has a new mesh: the trigger, and whether a corner has turned over; the numbers of
+/// replaced and of new elements; the stable time increments before and after it.
 fn warn_of_first_mesh(
     run: &mut SolverRun<'_>,
     (body, remesh): (usize, &RemeshPlan),

@@ -181,6 +181,7 @@ impl<const FLOWS: bool, const ENERGY: bool> Material for SubroutineMaterial<FLOW
         PlasticFlow::Unknown
     };
     const MODULI_VARY: bool = ENERGY;
+    const OF_GRADIENT: bool = ENERGY;
     const FAILS: bool = true;
     const USES_SPIN: bool = true;
     const CALLS: bool = true;
@@ -236,7 +237,8 @@ impl<const FLOWS: bool, const ENERGY: bool> Material for SubroutineMaterial<FLOW
         for l in 0..strain.count {
             self.delete(state, update, l);
             let new = components(column(&state.stress, l), state.rotation(l));
-            let double = |k: usize| strain.strain[k][l] * (strain.carried[k][l] + new[k]);
+            let previous = if ENERGY { &*stress } else { &strain.carried };
+            let double = |k: usize| strain.strain[k][l] * (previous[k][l] + new[k]);
             let work = 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             if strain.volume[l] != 0.0 {
                 update.internal[l] += work;
