@@ -230,7 +230,7 @@ impl RunReport {
         }
     }
 
-    fn warn_of_turned(&mut self, run: &RunState<'_>, turned: &TurnedElements, words: [&str; 4]) {
+    fn warn_of_turned(&mut self, run: &RunState<'_>, turned: &TurnedElements, words: [&'static str; 4]) {
         let ([code, part, event, meaning], (group, element)) = (words, turned.place);
         let nodes = run.state.elements.groups[group].nodes(element);
         let [r, z] = middle([0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place()));

@@ -288,7 +288,7 @@ impl CohesiveSurfaces {
         contact.begin_mesh_motion(dofs);
         book_dissipation(self.update(contact, [0.5 * dt, dt]), dofs);
         let (mut work, mut work_on_free) = (0.0, 0.0);
-        for (i, &(dof, prescribed)) in contact.dofs.list.iter().enumerate().filter(|(i, _)| self.impulses[*i] != 0.0) {
+        for (i, &(_, prescribed)) in contact.dofs.list.iter().enumerate().filter(|(i, _)| self.impulses[*i] != 0.0) {
             let impulse = self.impulses[i];
             let change = contact.dofs.motion.inverse_mass[i] * impulse;
             let of_impulse = impulse * (contact.dofs.complete_velocity(i, change, dofs) + 0.5 * change);
