@@ -40,9 +40,6 @@ use crate::variables::Variable;
 
 /// Fraction of the largest density of a body below which a failed element consists of fragments.
 const EXPANDED: f64 = 0.5;
-/// Largest number of elements of the wanted sizes that a body without a card may need, over that of its mesh: a body whose first
-/// mesh is distorted beyond this keeps it.
-const MOST_GROWTH: f64 = 4.0;
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
 
@@ -369,9 +366,6 @@ fn body_revision(
             }
             None => (living, Vec::new(), old),
         };
-    if planned.automatic && old.expected_elements() > MOST_GROWTH * old.quads.len() as f64 {
-        return None;
-    }
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);

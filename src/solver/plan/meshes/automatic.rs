@@ -5,12 +5,14 @@ use std::sync::Arc;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
-use crate::model::{AnalyticalFront, Model, RegionType, Remeshing, SolidSection, Step};
+use crate::model::{AnalyticalFront, Mesh, Model, RegionType, Remeshing, SolidSection, Step};
 use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, has_faces_of, remeshed_body, unsupported_remeshing};
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
 use crate::variables::Variable;
 
+/// Largest ratio of the edges of an element in the mesh of the deck of a body that has new meshes.
+const LONGEST: f64 = 200.0;
 /// Smallest angle of the elements after the first new mesh, degrees.
 const SHARP: f64 = 15.0;
 /// Smallest angle of adaptive meshes, which smoothing should keep, degrees.
@@ -94,6 +96,7 @@ impl AutomaticMeshes {
             let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
             let adapts = moves_nodes(model, &card.elements);
             if contains_any(&model.kept_meshes, &card.elements)
+                || has_needles(&model.mesh, &card.elements)
                 || adapts && has_spatial_constraints(model)
                 || unsupported_remeshing(scene, pairs, &card, &body, state, report).is_some()
             {
@@ -170,6 +173,22 @@ fn moves_nodes(model: &Model, elements: &[usize]) -> bool {
 /// Returns whether a list contains one of the elements, which are in ascending order.
 fn contains_any(list: &[usize], elements: &[usize]) -> bool {
     list.iter().any(|e| elements.binary_search(e).is_ok())
+}
+
+/// Returns whether an element has an edge that is more than [`LONGEST`] times as long as another one. New elements, which are
+/// nearly square, would be too many.
+fn has_needles(mesh: &Mesh, elements: &[usize]) -> bool {
+    let is_needle = |element: &usize| {
+        let nodes = &mesh.elements[*element].nodes;
+        let ends = nodes.iter().zip(nodes.iter().cycle().skip(1)).filter(|(a, b)| a != b);
+        let lengths = ends.map(|(a, b)| {
+            let ([r, z], [other_r, other_z]) = (mesh.points[*a], mesh.points[*b]);
+            libm::hypot(other_r - r, other_z - z)
+        });
+        let [shortest, longest] = lengths.fold([f64::INFINITY, 0.0_f64], |[a, b], x| [a.min(x), b.max(x)]);
+        longest > LONGEST * shortest
+    };
+    elements.iter().any(is_needle)
 }
 
 /// Returns whether material flows through adaptive meshes that are held in space.
