@@ -422,9 +422,8 @@ fn checks_of_a_deck_give_the_same_text() {
     let mut decks: Vec<_> = folder.map(|entry| entry.expect("an entry").path()).collect();
     decks.retain(|path| path.extension().is_some_and(|extension| extension == "inp"));
     assert!(decks.len() > 20);
-    decks.sort();
     let mut timed = 0;
-    for deck in decks.iter().step_by(3) {
+    for deck in decks {
         let name = deck.to_str().expect("a name").to_owned();
         // Both at the same time: they disturb each other.
         let check = || revolve(&["check", &name]);
@@ -436,5 +435,5 @@ fn checks_of_a_deck_give_the_same_text() {
         assert!(!text.contains("on this machine"), "{text}");
         timed += usize::from(String::from_utf8_lossy(&first.stderr).contains("note: run time on this machine"));
     }
-    assert!(timed > 5, "{timed}");
+    assert!(timed > 10, "{timed}");
 }

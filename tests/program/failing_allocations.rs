@@ -141,7 +141,7 @@ fn smallest_limit(mut too_small: u64, mut enough: u64, holds: impl Fn(u64) -> bo
 fn run_loses_nothing_under_any_limit_of_memory() {
     let scratch = tempfile::tempdir().expect("a folder");
     let deck = fs::read_to_string(small_run(scratch.path())).expect("a deck");
-    fs::write(scratch.path().join("bar.inp"), deck.replace("nr = 2", "nr = 20").replace("nz = 6", "nz = 100"))
+    fs::write(scratch.path().join("bar.inp"), deck.replace("nr = 2", "nr = 40").replace("nz = 6", "nz = 200"))
         .expect("a deck");
     let case = FaultCase::new("bar", &scratch.path().join("bar.inp"), &[], scratch.path());
     let folder = scratch.path().join("results");

@@ -217,16 +217,16 @@ fn posterior_of_a_linear_model_is_students_t() {
     assert!(inside >= 360, "{inside}");
 }
 
-/// 95 % posterior intervals contain the true values of 10 synthetic tables, except at most two.
+/// 95 % posterior intervals contain the true values in 19 of 20 synthetic tables.
 #[test]
 fn posterior_intervals_have_their_nominal_coverage() {
     let inside = |seed: u64| {
         let found = throw_posterior(&throw(seed, 0.05), 100.0).1.estimates();
         found.iter().zip([10.0, 9.81]).filter(|(estimate, truth)| estimate.holds(*truth)).count()
     };
-    let inside: usize = (100..110).map(inside).sum();
-    println!("{inside} of 20 posterior intervals contain the true value");
-    assert!(inside >= 18, "{inside}");
+    let inside: usize = (100..120).map(inside).sum();
+    println!("{inside} of 40 posterior intervals contain the true value");
+    assert!(inside >= 37, "{inside}");
 }
 
 /// The largest radius at the height of a node on the side of a bar is the radius of that node.

@@ -305,9 +305,10 @@ fn prescribed_temperatures_continue() {
     }
 }
 
-/// Runs rings whose faces move apart by a displacement beside a column that is pressed to .7 of its height, without and with new
-/// meshes of the column. The elements of the column are skewed, light, and longer than those of the rings, which determine increments and energies.
-fn beside_column(rings: &str, displacement: f64) -> [DeckRun; 2] {
+/// Runs rings whose faces move apart by a displacement, and a column that is pressed to .7 of its height, without and with new
+/// meshes of the column. The elements of the column are skewed, light, and longer than those of the rings, which determine
+/// increments and energies.
+fn with_column(rings: &str, displacement: f64) -> [DeckRun; 2] {
     let mut mesh = String::from("*Node\n");
     for (j, i) in (0..9).flat_map(|j| (0..5).map(move |i| (j, i))) {
         mesh += &format!(" {}, {}, {}\n", 9001 + 5 * j + i, 4.0 + 0.3 * i as f64 + 0.2 * j as f64, 0.3 * j as f64);
@@ -343,7 +344,7 @@ fn bonds_of_other_bodies_continue() {
     let evolution = "*Damage evolution, type=ENERGY\n 0.3,\n";
     let elements = rings(5, 5) + &layer(100, 200, 5, &format!("{ELASTIC}{QUADS}{evolution}"));
     for (kind, mesh) in [("surfaces", rings(2, 5) + &bonded()), ("elements", elements)] {
-        let runs = beside_column(&mesh, 0.2);
+        let runs = with_column(&mesh, 0.2);
         let (apart, [_, ran]) = (forces_apart(&runs), &runs);
         let dissipated = last(ran, "ALLDMD") / (0.3 * RING) - 1.0;
         println!(
@@ -361,7 +362,7 @@ fn bonds_of_other_bodies_continue() {
 fn distortion_control_of_other_bodies_continues() {
     let mesh = rings(5, 5).replace("material=STEEL\n", "material=STEEL, controls=C\n")
         + "*Section controls, name=C, distortion control=YES, length ratio=0.999\n*Tie, name=T\n BELOW, ABOVE\n";
-    let runs = beside_column(&mesh, -0.6);
+    let runs = with_column(&mesh, -0.6);
     let (apart, [_, ran]) = (forces_apart(&runs), &runs);
     let meshes = new_meshes(&ran.outcome);
     println!("{meshes} meshes: forces {apart:.1e} apart, drift {:.1e}", ran.outcome.energy.drift);

@@ -45,7 +45,7 @@ pub struct ModelTraits {
     pub sensitive: bool,
     /// Whether the model has deformable elements.
     pub deforms: bool,
-    /// Whether a step scales masses towards a stable time increment.
+    /// Whether a step scales masses.
     pub scales_masses: bool,
     /// Names of the columns of `*OUTPUT EXPRESSION`.
     pub expressions: Vec<String>,

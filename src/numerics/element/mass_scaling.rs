@@ -115,7 +115,7 @@ pub struct ScaledMasses {
     pub(super) applied: Vec<Vec<f64>>,
     /// Scaled masses of the nodes.
     pub(super) sums: Vec<f64>,
-    /// Work array: inverse of the stable time increment and mass of each element of a request with a budget.
+    /// Work array: inverse of the stable time increment and mass of each element of a request with a target.
     pub(super) rates: Vec<[f64; 2]>,
     /// Sum of the masses of the nodes without scaling, and the mass that scaling has added.
     pub(super) original: f64,

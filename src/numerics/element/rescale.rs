@@ -211,18 +211,18 @@ impl MassScaling {
     }
 }
 
-/// Allocates the memory of the groups that a step scales, and that of its budgets.
+/// Allocates the memory of the groups that a step scales, and that of the rates of its elements.
 fn prepare(groups: &mut [Box<dyn ElementGroup>], step: &StepMassScaling, rates: &mut Vec<[f64; 2]>) {
     let requests = || step.fixed.iter().flatten().chain(step.variable.iter().map(|v| &v.request));
     let scaled: BTreeSet<usize> = requests().flat_map(|request| &request.elements).map(|at| at.0).collect();
     scaled.into_iter().for_each(|g| groups[g].configure(GroupSetting::MassScales));
-    let with_budget = requests().filter(|request| request.budget.is_some());
+    let with_target = requests().filter(|request| request.aim.is_some());
     rates.clear();
-    rates.reserve_exact(with_budget.map(|request| request.elements.len()).max().unwrap_or(0));
+    rates.reserve_exact(with_target.map(|request| request.elements.len()).max().unwrap_or(0));
 }
 
-/// Returns the largest stable time increment up to `target` for which elements, each with the inverse of its own and with its mass,
-/// gain at most a fraction `budget` of their mass. Equation (4.10).
+/// Returns the largest stable time increment up to `target` for which elements gain at most a fraction `budget` of their mass. Each
+/// element is given by the inverse of its stable time increment, and its mass. Equation (4.10).
 fn target_within(target: f64, budget: f64, elements: &[[f64; 2]]) -> f64 {
     let allowed = budget * elements.iter().map(|[_, mass]| mass).sum::<f64>();
     let gained = |dt: f64, [rate, mass]: &[f64; 2]| mass * ((dt * rate) * (dt * rate) - 1.0).max(0.0);
@@ -252,28 +252,24 @@ impl ScaledMasses {
     ) {
         let mut factors = std::mem::take(which.of(self));
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
-            // A deleted element has no time increment; its mass is unchanged.
+            // A deleted element, or one without a finite rate, has no time increment; its mass is unchanged.
             let group = Some(&groups[g]).filter(|group| !group.is_deleted(e));
             let rate = group.and_then(|group| group.stable_rate(e, Some(&self.elements[g][e]), nodes.as_slice()));
-            rate.map_or(0.0, |rate| rate / factors[g][e].sqrt())
+            rate.map(|rate| rate / factors[g][e].sqrt()).filter(|rate| rate.is_finite()).unwrap_or(0.0)
         };
         for &(g, e) in &request.elements {
             factors[g][e] *= request.factor;
         }
         if let Some((aim, target)) = request.aim {
-            let dt = request.budget.map_or(target, |budget| {
-                let mass = |(g, e): (usize, usize)| factors[g][e] * self.elements[g][e].iter().sum::<f64>();
-                self.rates.clear();
-                self.rates.extend(request.elements.iter().map(|&at| [rate(&factors, at), mass(at)]));
-                target_within(target, budget, &self.rates)
-            });
-            let usable = |rate: f64| rate.is_finite() && rate > 0.0;
-            let rates = request.elements.iter().map(|&at| rate(&factors, at));
-            let largest = rates.filter(|r| usable(*r)).fold(0.0, f64::max);
-            for &(g, e) in &request.elements {
-                let element_rate = if aim == ScalingTarget::Uniform { largest } else { rate(&factors, (g, e)) };
+            let mass = |(g, e): (usize, usize)| factors[g][e] * self.elements[g][e].iter().sum::<f64>();
+            self.rates.clear();
+            self.rates.extend(request.elements.iter().map(|&at| [rate(&factors, at), mass(at)]));
+            let dt = request.budget.map_or(target, |budget| target_within(target, budget, &self.rates));
+            let largest = self.rates.iter().map(|[rate, _]| *rate).fold(0.0, f64::max);
+            for (&(g, e), [own, _]) in request.elements.iter().zip(&self.rates) {
+                let element_rate = if aim == ScalingTarget::Uniform { largest } else { *own };
                 let ratio = dt * element_rate;
-                if usable(element_rate) && (aim != ScalingTarget::BelowMin || ratio > 1.0) {
+                if element_rate > 0.0 && (aim != ScalingTarget::BelowMin || ratio > 1.0) {
                     factors[g][e] *= ratio * ratio;
                 }
             }

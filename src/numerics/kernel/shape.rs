@@ -52,14 +52,6 @@ pub fn smallest_sine(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f64
     corner_lists(corners).iter().map(sine).fold(1.0, f64::min)
 }
 
-/// Smallest sine of an angle above 180 degrees that is more than rounding.
-const TURNED: f64 = 1e-6;
-
-/// Returns whether a corner of an element has turned over: an angle is above 180 degrees.
-pub fn is_corner_turned(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> bool {
-    smallest_sine(corners, place) < -TURNED
-}
-
 /// Returns whether a quadrilateral is convex, and the squares of the sines of its angles are all above a limit; false for
 /// triangles.
 pub fn has_larger_sines(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2], square: f64) -> bool {

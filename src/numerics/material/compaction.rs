@@ -217,7 +217,7 @@ impl PorousCompaction {
     }
 
     /// Returns the energy per mass that the collapse of pores dissipates between two states: the work of the pressure on
-    /// the distension, less the change of the recoverable part of it. Equation (7.17).
+    /// the distension, less the change of its recoverable part. Equation (7.17).
     fn collapse_energy(before: PorousPoint, after: PorousPoint) -> f64 {
         let work = 0.25 * (before.pressure + after.pressure) * (before.solid_volume + after.solid_volume);
         work * (before.distension - after.distension) - (after.recoverable() - before.recoverable())

@@ -3,6 +3,7 @@
 
 use super::collapse::name_folding_remedy;
 use super::increment::shortened;
+use super::mesh_quality::has_turned_corner;
 use super::run_state::RunState;
 use super::watch::{RunReport, SMALL, likely_cause, name_created_energy, name_folded};
 use crate::constraint::overlaps::OverlapMonitor;
@@ -10,7 +11,7 @@ use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
-use crate::kernel::shape::{is_corner_turned, middle};
+use crate::kernel::shape::middle;
 use crate::kernel::topology::ElementTopology;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
@@ -221,7 +222,10 @@ impl RunReport {
     }
 
     fn warn_of_corners(&mut self, run: &RunState<'_>, is_last: bool) {
-        let turned = TurnedElements::find(run, |place| has_turned_corner(run, place));
+        let turned = TurnedElements::find(run, |(group, element)| {
+            let group = &*run.state.elements.groups[group];
+            group.topology() == ElementTopology::Quadrilateral && has_turned_corner(group, element, &run.state)
+        });
         let was_turned = std::mem::replace(&mut self.watch.corners_turned, turned.is_some());
         if let Some(turned) = turned.filter(|_| was_turned || is_last) {
             self.watch.corners_reported = true;
@@ -324,17 +328,6 @@ fn has_passed_axis(run: &RunState<'_>, (group, element): (usize, usize)) -> bool
     let radii = || group.nodes(element).into_iter().map(|n| run.state.dofs.nodes[n as usize].r);
     let [least, largest] = radii().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], r| [a.min(r), b.max(r)]);
     group.topology() == ElementTopology::Quadrilateral && least < -BEYOND_AXIS * (largest - least)
-}
-
-/// Returns whether a corner of a quadrilateral or triangle has turned over.
-fn has_turned_corner(run: &RunState<'_>, (group, element): (usize, usize)) -> bool {
-    let group = &run.state.elements.groups[group];
-    let place = |n: u32| run.state.dofs.nodes[n as usize].place();
-    let is_turned = || {
-        let nodes = group.nodes(element);
-        is_corner_turned(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place)
-    };
-    group.topology() == ElementTopology::Quadrilateral && is_turned()
 }
 
 /// Returns the area of the section of an element; `None` if it does not have four corners.

@@ -5,7 +5,7 @@ use super::run_state::RunState;
 use crate::element::elements::Elements;
 use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::{is_corner_turned, smallest_sine};
+use crate::kernel::shape::smallest_sine;
 use crate::kernel::topology::ElementTopology;
 use crate::plan::{AutomaticMeshes, FirstMesh, Plan, RemeshedBody, State};
 use crate::remesh::MeshRevision;
@@ -19,6 +19,8 @@ const WORSE: f64 = 0.5;
 const SQUASHED: f64 = 1.0;
 /// Number of checks of a body without a card between two searches for corners that have turned over.
 const SEARCH: u64 = 10;
+/// Sine of an angle above 180 degrees from which a corner has turned over.
+const TURNED: f64 = 1e-6;
 /// Excess of increments from which the first new mesh of a body without a card is worth its cost.
 const PRICE: f64 = 100.0;
 /// Ratio of stable time increments from which a new mesh of a body without a card has been worth its cost.
@@ -145,13 +147,10 @@ pub(super) fn is_squashed(elements: &Elements) -> bool {
 
 /// Returns whether plastic flow has turned over a corner of an element of a group.
 pub(super) fn has_folded(run: &RunState<'_>, group: usize) -> bool {
-    let (elements, place) = (&*run.state.elements.groups[group], |n: u32| run.state.dofs.nodes[n as usize].place());
+    let elements = &*run.state.elements.groups[group];
     let strain = |element: usize| elements.value(element, Variable::PlasticStrain.into()).unwrap_or(0.0);
-    let is_turned = |element: &usize| {
-        let nodes = elements.nodes(*element);
-        is_corner_turned(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place)
-    };
-    (0..elements.len()).filter(is_turned).any(|element| strain(element) > SQUASHED)
+    let mut turned = (0..elements.len()).filter(|element| has_turned_corner(elements, *element, &run.state));
+    turned.any(|element| strain(element) > SQUASHED)
 }
 
 /// Returns whether an element of a group limits the increment.
@@ -161,9 +160,18 @@ fn is_limited_by(elements: &Elements, group: usize) -> bool {
 
 /// Returns the smallest sine of a corner of each quadrilateral or triangle of a group that is not deleted.
 fn smallest_sines<'a>(group: &'a dyn ElementGroup, state: &'a State) -> impl Iterator<Item = f64> + 'a {
-    let place = |n: u32| state.dofs.nodes[n as usize].place();
-    let living = (0..group.len()).filter(|e| !group.is_deleted(*e)).map(|e| group.nodes(e));
-    living.map(move |nodes| smallest_sine(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place))
+    (0..group.len()).filter(|e| !group.is_deleted(*e)).map(|e| smallest_sine_of(group, e, state))
+}
+
+/// Returns the smallest sine of a corner of a quadrilateral or triangle; negative for an angle above 180 degrees.
+fn smallest_sine_of(group: &dyn ElementGroup, element: usize, state: &State) -> f64 {
+    let nodes = group.nodes(element);
+    smallest_sine(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), |n| state.dofs.nodes[n as usize].place())
+}
+
+/// Returns whether a corner of a quadrilateral or triangle has turned over: an angle is above 180 degrees by more than rounding.
+pub(super) fn has_turned_corner(group: &dyn ElementGroup, element: usize, state: &State) -> bool {
+    smallest_sine_of(group, element, state) < -TURNED
 }
 
 /// Returns the shapes of the quadrilaterals and triangles that are not deleted; `None` without any.

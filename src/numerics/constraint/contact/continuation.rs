@@ -21,8 +21,8 @@ impl ContactConstraint {
         self.take_over_heat(previous, &nodes);
         if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
             self.system.dofs.pass_values(&mut cohesion.impulses, &previous.system.dofs, &previous_cohesion.impulses);
+            cohesion.take_over(&self.system, previous_cohesion, (&previous.system, &nodes));
         }
-        self.take_over_bonds(previous, &nodes);
         for stations in &mut self.stations {
             let same = previous.stations.iter().find(|known| known.pair.number == stations.pair.number);
             same.into_iter().for_each(|known| stations.take_over(known));
@@ -36,17 +36,11 @@ impl ContactConstraint {
         self.system.keys.gap_offsets.fill(0.0);
         let places = self.system.take_over(&previous.system, nodes);
         self.take_over_heat(previous, nodes);
-        self.take_over_bonds(previous, nodes);
         if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
+            cohesion.take_over(&self.system, previous_cohesion, (&previous.system, nodes));
             cohesion.squared_frequency = previous_cohesion.squared_frequency;
         }
         self.system.take_over_energies(&previous.system, places, dofs);
-    }
-
-    fn take_over_bonds(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) {
-        if let (Some(cohesion), Some(previous_cohesion)) = (&mut self.cohesion, &previous.cohesion) {
-            cohesion.take_over(&self.system, previous_cohesion, (&previous.system, nodes));
-        }
     }
 
     /// Takes the bounds of heat exchange of the points that a previous contact has, too.

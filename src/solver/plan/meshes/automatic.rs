@@ -6,6 +6,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
 use crate::model::{AnalyticalFront, Mesh, Model, RegionType, Remeshing, SolidSection, Step};
+use crate::plan::checks::plausibility::side_lengths;
 use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, has_faces_of, remeshed_body, unsupported_remeshing};
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
@@ -179,13 +180,7 @@ fn contains_any(list: &[usize], elements: &[usize]) -> bool {
 /// nearly square, would be too many.
 fn has_needles(mesh: &Mesh, elements: &[usize]) -> bool {
     let is_needle = |element: &usize| {
-        let nodes = &mesh.elements[*element].nodes;
-        let ends = nodes.iter().zip(nodes.iter().cycle().skip(1)).filter(|(a, b)| a != b);
-        let lengths = ends.map(|(a, b)| {
-            let ([r, z], [other_r, other_z]) = (mesh.points[*a], mesh.points[*b]);
-            libm::hypot(other_r - r, other_z - z)
-        });
-        let [shortest, longest] = lengths.fold([f64::INFINITY, 0.0_f64], |[a, b], x| [a.min(x), b.max(x)]);
+        let [shortest, longest] = side_lengths(&mesh.elements[*element], &mesh.points);
         longest > LONGEST * shortest
     };
     elements.iter().any(is_needle)
