@@ -24,9 +24,10 @@ export RUSTC_WRAPPER="${RUSTC_WRAPPER:-$PWD/tests/rustc.sh}"
 tests=(cargo test --release --workspace --exclude revolve-python --features parquet --locked)
 "${tests[@]}" --no-run
 "${tests[@]}" --doc 2>&1 | tee target/tests.log
-# They also build the wheel: the other tests begin first, and find what they need complete. The group ends as a whole.
+# They also build the wheel: the other tests begin first, and find what they need complete. The group ends as a whole. A test
+# that waits for ever is ended, so that its name is printed.
 set -m
-{ sleep 10; exec "${tests[@]}" --test program -- --show-output; } >target/program.log 2>&1 &
+{ sleep 10; exec timeout 50m "${tests[@]}" --test program -- --show-output; } >target/program.log 2>&1 &
 program=$!
 set +m
 trap 'kill -- "-$program" 2>/dev/null || true' EXIT
@@ -42,7 +43,12 @@ passed=0
 wait "$program" || passed=$?
 trap - EXIT
 tee -a target/tests.log <target/program.log
-[ "$passed" = 0 ] || exit "$passed"
+if [ "$passed" != 0 ]; then
+    [ "$passed" != 124 ] || echo "The tests of the program were ended after 50 minutes; tests without an end:"
+    grep -oP "^test \K\S+(?= has been running for over 60 seconds)" target/program.log |
+        while read -r name; do grep -q "^test $name \.\.\. " target/program.log || echo "    $name"; done || true
+    exit "$passed"
+fi
 [ -z "$spelling" ] || echo "$spelling" >>target/tests.log
 printf %s "$unavailable" >>target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet

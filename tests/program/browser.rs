@@ -14,8 +14,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tiny_skia::Pixmap;
 
-/// Time without an answer after which the browser counts as failed.
-const SILENCE: Duration = Duration::from_secs(120);
+/// Time without an answer after which a browser or a server counts as failed.
+pub const SILENCE: Duration = Duration::from_secs(120);
 
 /// Size and colour scheme in which a page is shown.
 #[derive(Clone, Copy, Debug)]

@@ -86,6 +86,14 @@ fn apply(edit: &PageEdit, root: &Path) {
     fs::write(path, edited).expect("an edited file");
 }
 
+/// Copies a file with its time, so that Cargo takes it for the file whose library it has built: another time would build the
+/// macros again, and with them the wheel.
+fn copy_file(from: &Path, to: &Path) {
+    fs::copy(from, to).expect("a copy");
+    let modified = fs::metadata(from).and_then(|file| file.modified()).expect("a time");
+    fs::File::options().write(true).open(to).and_then(|file| file.set_modified(modified)).expect("the same time");
+}
+
 /// Copies a folder with all its contents.
 pub fn copy_folder(from: &Path, to: &Path) {
     fs::create_dir_all(to).expect("a folder");
@@ -94,7 +102,7 @@ pub fn copy_folder(from: &Path, to: &Path) {
         if entry.path().is_dir() {
             copy_folder(&entry.path(), &target);
         } else {
-            fs::copy(entry.path(), target).expect("a copy");
+            copy_file(&entry.path(), &target);
         }
     }
 }
@@ -110,7 +118,7 @@ fn extension_pages_can_be_followed() {
     let folder = tempfile::tempdir().expect("a folder");
     let root = folder.path();
     for name in ["Cargo.toml", "Cargo.lock", "build.rs", "README.md"] {
-        fs::copy(project(name), root.join(name)).expect("a copy");
+        copy_file(&project(name), &root.join(name));
     }
     for name in ["src", "input", "tests/benches"] {
         copy_folder(&project(name), &root.join(name));

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::instruction_counts::{CountedJob, can_count, instructions_of_each};
+use super::instruction_counts::{CountedJob, CountedTask, can_count, instructions_of_each};
 use crate::common::solid::grid;
 
 /// Largest ratio of the instructions of four times the entries to those of the entries.
@@ -263,8 +263,8 @@ impl MeasuredDecks {
 
     /// Returns the jobs of a list: checks, then runs.
     fn jobs(self) -> [CountedJob; JOBS] {
-        let check = |deck: &PathBuf| CountedJob { deck: deck.clone(), is_run: false };
-        let run = |deck: &PathBuf| CountedJob { deck: deck.clone(), is_run: true };
+        let check = |deck: &PathBuf| CountedJob { deck: deck.clone(), task: CountedTask::Check };
+        let run = |deck: &PathBuf| CountedJob { deck: deck.clone(), task: CountedTask::Run };
         let MeasuredDecks { one, some, many } = &self;
         [check(one), check(some), check(many), run(one), run(some), run(many)]
     }
@@ -288,7 +288,7 @@ fn instructions_are_proportional_to_the_entries_of_each_list() {
     let decks = LISTS.iter().enumerate().map(|(i, list)| MeasuredDecks::write(folder.path(), i, list));
     let mut jobs: Vec<CountedJob> = decks.flat_map(MeasuredDecks::jobs).collect();
     // Jobs before the others fill the tables that the process keeps.
-    let first = [false, true].map(|is_run| CountedJob { deck: jobs[0].deck.clone(), is_run });
+    let first = [CountedTask::Check, CountedTask::Run].map(|task| CountedJob { deck: jobs[0].deck.clone(), task });
     jobs.splice(0..0, first);
     let counts = &instructions_of_each(folder.path(), &jobs)[2..];
     let mut faults = Vec::new();

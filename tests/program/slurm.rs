@@ -144,7 +144,9 @@ impl SlurmCluster {
     }
 
     fn command_output(&self, program: &str, arguments: &[&str]) -> String {
-        let Output { stdout, .. } = self.command(program).args(arguments).output().expect("it runs");
+        // A controller that does not answer would be waited for.
+        let limited = ["-k", "1", "60", program];
+        let Output { stdout, .. } = self.command("timeout").args(limited).args(arguments).output().expect("it runs");
         String::from_utf8_lossy(&stdout).into_owned()
     }
 
@@ -201,7 +203,7 @@ impl SlurmCluster {
 
 impl Drop for SlurmCluster {
     fn drop(&mut self) {
-        let _ = self.command("scancel").args(["--state=RUNNING,PENDING", "-u", &user()]).output();
+        self.command_output("scancel", &["--state=RUNNING,PENDING", "-u", &user()]);
         std::thread::sleep(Duration::from_millis(300));
         for (_, daemon) in self.daemons.iter_mut().rev() {
             let _ = daemon.kill().and_then(|()| daemon.wait());

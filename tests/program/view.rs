@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use revolve::user::Routines;
 use serde_json::Value;
 
-use crate::browser::{HeadlessBrowser, PageView};
+use crate::browser::{HeadlessBrowser, PageView, SILENCE};
 use crate::common::{self, project, revolve};
 use crate::new_meshes;
 
@@ -46,8 +46,11 @@ impl ViewProcess {
         ViewProcess { child, output, host: host.to_owned(), path: format!("/{path}") }
     }
 
+    /// Connects to the server, which must not be silent for longer than [`SILENCE`].
     fn connect(&self) -> TcpStream {
-        TcpStream::connect(&self.host).expect("a connection")
+        let stream = TcpStream::connect(&self.host).expect("a connection");
+        stream.set_read_timeout(Some(SILENCE)).expect("a limit");
+        stream
     }
 
     /// Sends the first lines of a request; returns status, headers and body.
@@ -328,6 +331,7 @@ fn job_of_another_process_shows_its_setup_and_a_changed_deck() {
         .spawn()
         .expect("the program starts");
     while !out.join("taylor_0000.vtu").is_file() {
+        assert!(run.try_wait().expect("a state").is_none(), "the run has ended");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let view = ViewProcess::start(&["view", name(&out)]);
