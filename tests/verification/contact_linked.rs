@@ -127,9 +127,13 @@ fn general_contact_does_not_act_between_tied_nodes() {
             + contact
             + "*Output, field, number interval=1\n*Node Output\n V\n*End Step\n"
     };
-    let [alone, general] = ["", "*Contact\n*Contact Inclusions, all exterior\n"].map(|contact| run(&deck(contact)).whole());
+    let [alone, general] =
+        ["", "*Contact\n*Contact Inclusions, all exterior\n"].map(|contact| run(&deck(contact)).whole());
     let worst = axial(&alone).iter().zip(axial(&general)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / 1e-3;
-    println!("velocities {worst:.1e}, drift {:.1e} and {:.1e}", alone.outcome.energy.drift, general.outcome.energy.drift);
+    println!(
+        "velocities {worst:.1e}, drift {:.1e} and {:.1e}",
+        alone.outcome.energy.drift, general.outcome.energy.drift
+    );
     assert!(worst < 1e-12, "{worst}");
     assert!(general.outcome.energy.contact == 0.0 && general.outcome.energy.drift < 1e-3);
 }

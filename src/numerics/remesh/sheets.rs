@@ -33,9 +33,9 @@ pub fn thin_elements(
     }
     let is_needed = |e: usize| mesh.quads[e].iter().any(|n| needed(*n));
     let mut thin: Vec<bool> = (0..mesh.quads.len()).map(|e| is_loose(e) && !is_needed(e)).collect();
-    let (on_axis, off_axis) = boundary_edges(&mesh.quads).into_iter().partition(|edge| {
-        edge.ends.iter().all(|n| mesh.points[*n as usize][0] <= 0.0)
-    });
+    let (on_axis, off_axis) = boundary_edges(&mesh.quads)
+        .into_iter()
+        .partition(|edge| edge.ends.iter().all(|n| mesh.points[*n as usize][0] <= 0.0));
     // A sheet that the axis crosses is pierced where its whole thickness there is below the limit.
     let pierced = edges_of_runs(mesh, on_axis, |length| length < fraction);
     for edge in thin_edges(mesh, off_axis, fraction).into_iter().chain(pierced) {
@@ -80,11 +80,7 @@ fn thin_edges(mesh: &BodyMesh, edges: Vec<BoundaryEdge>, fraction: f64) -> Vec<B
 }
 
 /// Returns the edges in runs, connected by common nodes, whose length in units of the wanted edge is as it should be.
-fn edges_of_runs(
-    mesh: &BodyMesh,
-    members: Vec<BoundaryEdge>,
-    is_chosen: impl Fn(f64) -> bool,
-) -> Vec<BoundaryEdge> {
+fn edges_of_runs(mesh: &BodyMesh, members: Vec<BoundaryEdge>, is_chosen: impl Fn(f64) -> bool) -> Vec<BoundaryEdge> {
     let place = |n: u32| mesh.points[n as usize];
     let mut runs = DisjointSets::new(mesh.points.len());
     members.iter().for_each(|edge| runs.unite(edge.ends[0] as usize, edge.ends[1] as usize));

@@ -4,8 +4,7 @@ use crate::model::{CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, Mes
 use crate::plan::ledger::Ledger;
 use crate::plan::{
     AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, MeshRenewal,
-    PlannedRange,
-    PlannedRigidBody, RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
+    PlannedRange, PlannedRigidBody, RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
 };
 use crate::remesh::interpolation::TracerPoint;
 use crate::state::EffectId;

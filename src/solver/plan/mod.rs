@@ -119,7 +119,8 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     let remesh = meshes::remesh::plan(scene, (&links, &pairs), &fronts, &mut state, &mut report);
     let shared_model = shared_model.filter(|_| adjusted.is_none());
     let renewals = MeshRenewal::plan(scene, (&links, &pairs), &mut state, &report);
-    let automatic_meshes = AutomaticMeshes::plan(scene, shared_model, (&pairs, &renewals), &fronts, &mut state, &report);
+    let automatic_meshes =
+        AutomaticMeshes::plan(scene, shared_model, (&pairs, &renewals), &fronts, &mut state, &report);
     checks::check_plan(scene, &links, &pairs, &state, &mut report);
     let rows = steps::integration_rows(scene, &state, columns.list.len() + columns.fields.len(), &mut report);
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());

@@ -159,7 +159,9 @@ fn name_renewal(run: &RunState<'_>, group: usize) -> Option<String> {
     let adapts = !run.state.adaptive.is_empty();
     Some(match &renewal.refusal {
         None if adapts => "*REMESH in place of *ADAPTIVE MESH gives a body that deforms far a new mesh".into(),
-        None if renewal.adapts => "*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape".into(),
+        None if renewal.adapts => {
+            "*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape".into()
+        }
         None => "*REMESH keeps the elements of a body that deforms far in shape".into(),
         Some(_) if renewal.adapts && !adapts => {
             "*ADAPTIVE MESH keeps the elements of a body that deforms far in shape".into()

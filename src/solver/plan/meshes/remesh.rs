@@ -206,7 +206,10 @@ pub(super) fn unsupported_remeshing(
     }
     if has_pairs_at_ties(scene, links, pairs, body) {
         let message = format!("a *CONTACT PAIR contains tied nodes of `{name}` or of the body to which it is tied");
-        return Some((message, "leave the faces at tied nodes out of the surfaces of the pair, or use general contact (*CONTACT)"));
+        return Some((
+            message,
+            "leave the faces at tied nodes out of the surfaces of the pair, or use general contact (*CONTACT)",
+        ));
     }
     let exclusion = excluded_by_model(scene, state, report)
         .or_else(|| excluded_by_elements(scene.model, pairs, &card.elements))

@@ -29,7 +29,8 @@ impl MeshRenewal {
         if !model.remeshings.is_empty() || report.diagnostics.has_errors() {
             return Vec::new();
         }
-        let neither = MeshRenewal { refusal: Some("its section or material cannot have a new mesh".into()), adapts: false };
+        let neither =
+            MeshRenewal { refusal: Some("its section or material cannot have a new mesh".into()), adapts: false };
         let mut renewals = vec![neither; state.elements.groups.len()];
         for (index, section) in model.sections.iter().enumerate() {
             let first = section.elements.first().and_then(|element| scene.places.elements.get(element));
