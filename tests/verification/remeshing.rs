@@ -239,7 +239,7 @@ fn tied_discs(remesh: &str, contact: &str) -> String {
 /// material within 2 %.
 #[test]
 fn contact_pairs_at_ties_of_remeshed_bodies_are_refused_before_the_run() {
-    let card = "*Remesh, elset=HIGH.SOLID, angle=60., frequency=5\n";
+    let card = "*Remesh, elset=HIGH.SOLID, angle=59., frequency=5\n";
     let pair = "*Contact Pair, interaction=I\n HIGH.SKIN, FLAT\n";
     let general = "*Contact\n*Contact Inclusions, all exterior\n";
     let prepared = job::prepare_text("test.inp", &tied_discs(card, pair), &common::pairs(&[]), &Routines::none());
