@@ -112,6 +112,33 @@ fn reference_node_carries_the_contact_force() {
     assert!((works[0] - works[1]).abs() < 1e-9, "{works:?}");
 }
 
+/// Two discs that a tie joins node by node vibrate as one body. General contact of all surfaces contains the tied faces, whose
+/// gap cannot change, and changes neither velocities nor the energy balance. Tolerance: rounding.
+#[test]
+fn general_contact_does_not_act_between_tied_nodes() {
+    let disc = |name: &str, foot: f64| part(name, [5, 4], |i, j| [0.2 * i as f64, foot + 0.1 * j as f64], "");
+    let deck = |contact: &str| {
+        disc("LOWER", 0.0)
+            + &disc("UPPER", 0.4)
+            + &assembly(&["LOWER", "UPPER"], "*Tie, name=T\n UPPER.J0, LOWER.J1\n")
+            + &elastic("LOWER", [1.0, 0.3, 1.0], "")
+            + &elastic("UPPER", [0.2, 0.4, 2.0], "")
+            + "*Initial Conditions, type=VELOCITY\n UPPER.J1, 2, -1e-3\n LOWER.J0, 2, 1e-3\n*Step\n*Dynamic, Explicit\n , 4.\n"
+            + contact
+            + "*Output, field, number interval=1\n*Node Output\n V\n*End Step\n"
+    };
+    let [alone, general] =
+        ["", "*Contact\n*Contact Inclusions, all exterior\n"].map(|contact| run(&deck(contact)).whole());
+    let worst = axial(&alone).iter().zip(axial(&general)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / 1e-3;
+    println!(
+        "velocities {worst:.1e}, drift {:.1e} and {:.1e}",
+        alone.outcome.energy.drift, general.outcome.energy.drift
+    );
+    assert!(worst < 1e-12, "{worst}");
+    let drifts = [&alone, &general].map(|ran| ran.outcome.energy.drift);
+    assert!(general.outcome.energy.contact == 0.0 && (drifts[0] - drifts[1]).abs() < 1e-12, "{drifts:?}");
+}
+
 /// Nodes of ties are in equations. General contact leaves their facets out with a warning; a contact pair that names
 /// them is an error.
 #[test]

@@ -10,7 +10,7 @@ use revolve::solve::Outcome;
 use revolve::user::Routines;
 
 use crate::common;
-use crate::common::solid;
+use crate::common::{bodies, solid};
 
 /// A bar is remeshed when an angle is below 59 degrees, and then whenever the angle has halved.
 pub const OFTEN: &str = "*Remesh, elset=BAR, angle=59., frequency=5\n";
@@ -207,6 +207,79 @@ fn unsupported_bodies_are_refused() {
         let prepared = job::prepare_text("test.inp", &deck, &common::pairs(&[]), &Routines::none());
         let found = prepared.diagnostics.render(&prepared.deck.sources);
         assert!(found.contains("P072") && found.contains(words), "{found}");
+    }
+}
+
+/// Two discs, tied node by node, that a die upsets; `contact` are the cards of contact in the step.
+fn tied_discs(remesh: &str, contact: &str) -> String {
+    let disc = |name: &str, foot: f64| {
+        let surface = "*Surface, name=SKIN\n SOLID,\n";
+        bodies::part(name, [6, 4], |i, j| [10.0 * i as f64 / 6.0, foot + 2.0 * j as f64], surface)
+    };
+    let material = |name: &str, yield_stress: f64| {
+        let plastic = format!("*Plastic\n {yield_stress}, 0.\n {}, 1.\n", 2.0 * yield_stress);
+        bodies::elastic(name, [70e3, 0.33, 2.7e-9], &plastic)
+    };
+    let cards = "*Tie, name=T\n HIGH.J0, LOW.J1\n*Node, nset=DIE\n 9001, 0., 20.\n*Surface, type=SEGMENTS, name=FLAT\n \
+                 START, 60., 16.\n LINE, 0., 16.\n*Rigid Body, ref node=DIE, analytical surface=FLAT\n";
+    disc("LOW", 0.0)
+        + &disc("HIGH", 8.0)
+        + &bodies::assembly(&["LOW", "HIGH"], cards)
+        + &material("LOW", 300.0)
+        + &material("HIGH", 60.0)
+        + remesh
+        + "*Surface Interaction, name=I\n*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 4.e-4, 1.\n*Step\n*Dynamic, \
+           Explicit\n , 4.e-4\n*Boundary\n LOW.J0, 2, 2\n*Boundary, amplitude=A\n DIE, 2, 2, -4.\n"
+        + contact
+        + "*Output, history, number interval=50\n*Energy Output\n ALL\n*End Step\n"
+}
+
+/// Tied nodes that coincide may be in a contact pair; those of a new mesh are in equations, and may not. The deck is refused
+/// before the run. With general contact, as the help says, it completes, and the plastic work is that of meshes that follow the
+/// material within 2 %.
+#[test]
+fn contact_pairs_at_ties_of_remeshed_bodies_are_refused_before_the_run() {
+    let card = "*Remesh, elset=HIGH.SOLID, angle=35., frequency=5\n";
+    let pair = "*Contact Pair, interaction=I\n HIGH.SKIN, FLAT\n";
+    let general = "*Contact\n*Contact Inclusions, all exterior\n";
+    let prepared = job::prepare_text("test.inp", &tied_discs(card, pair), &common::pairs(&[]), &Routines::none());
+    let found = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(found.contains("P072") && found.contains("contains tied nodes") && found.contains("*CONTACT)"), "{found}");
+    let work = |remesh: &str, contact: &str| {
+        let ran = bodies::run(&tied_discs(remesh, contact)).whole();
+        let work = ran.column("ALLPD").last().expect("rows")[1];
+        println!("{remesh}{contact}: {work} with {} new meshes", new_meshes(&ran.outcome));
+        assert_eq!(new_meshes(&ran.outcome) > 0, remesh.contains("elset"), "{:?}", ran.outcome.warnings);
+        work
+    };
+    let follows = work("*Remesh, automatic=NO\n", general);
+    assert!((work(card, general) / follows - 1.0).abs() < 0.02);
+}
+
+/// Bodies that share nodes cannot have new meshes. Where an element folds, the message does not advise a card that the checks
+/// refuse, but says why the body cannot have a new mesh.
+#[test]
+fn messages_advise_no_card_that_is_refused() {
+    let deck = |card: &str, sections: &str| {
+        solid::grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64])
+            + &solid::material(1.0, 0.3, 1.0, "*Nset, nset=RING\n 1, 2, 3, 4, 6, 7, 8, 9\n*Nset, nset=MIDDLE\n 5\n")
+                .replace("*Solid Section, elset=SOLID, material=M\n", sections)
+            + card
+            + "*Amplitude, name=A\n 0., 0., 50., 1.\n*Step\n*Dynamic, Explicit\n , 50.\n*Boundary\n RING, 1, 2\n\
+               *Boundary, amplitude=A\n MIDDLE, 1, 2, 0.8\n*End Step\n"
+    };
+    let one = "*Solid Section, elset=SOLID, material=M\n";
+    let two = "*Elset, elset=FIRST\n 1, 2, 3\n*Elset, elset=LAST\n 4\n*Solid Section, elset=FIRST, material=M\n*Solid \
+               Section, elset=LAST, material=M\n";
+    for (sections, set, is_supported) in [(one, "SOLID", true), (two, "LAST", false)] {
+        let (outcome, _) = solid::run(&deck("", sections));
+        let warning = outcome.warnings.iter().find(|warning| warning.starts_with("R327")).expect("a corner");
+        println!("{warning}");
+        let card = format!("*Remesh, elset={set}\n");
+        let prepared = job::prepare_text("test.inp", &deck(&card, sections), &common::pairs(&[]), &Routines::none());
+        assert_eq!(prepared.diagnostics.has_errors(), !is_supported);
+        assert_eq!(warning.contains("*REMESH or *ADAPTIVE MESH keeps"), is_supported, "{warning}");
+        assert_eq!(warning.contains("use nodes of its elements: separate the bodies"), !is_supported, "{warning}");
     }
 }
 

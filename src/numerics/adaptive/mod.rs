@@ -32,6 +32,7 @@ use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Nodes;
 use active::{ActiveParts, MeshChange};
 use held_places::{HeldPlaces, MeshMotion};
+use limiter::smaller;
 use momentum::MomentumTransport;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use temperatures::TemperatureTransport;
@@ -541,11 +542,24 @@ impl AdaptiveDomain {
     }
 }
 
-/// Returns the masses of the corners of an element with a mass.
+/// Smallest mass of a corner over the mean of the element. Corners of convex elements have more, also on the axis.
+const SMALLEST_SHARE: f64 = 0.05;
+
+/// Returns the masses of the corners of an element with a mass. In an element that the material has made concave, the integral of
+/// a shape function can be negative: the integrals are then averaged with their mean, so that all masses are positive.
 fn corner_masses(corners: [[f64; 2]; 4], mass: f64) -> [f64; 4] {
     let shares = quad::corner_masses(corners, 1.0);
     let sum = (shares[0] + shares[1]) + (shares[2] + shares[3]);
-    shares.inline_map(|share| mass / sum * share)
+    let least = smaller(smaller(shares[0], shares[1]), smaller(shares[2], shares[3]));
+    let mean = 0.25 * sum;
+    if sum <= 0.0 {
+        return [0.25 * mass; 4];
+    }
+    if least >= SMALLEST_SHARE * mean {
+        return shares.inline_map(|share| mass / sum * share);
+    }
+    let part = (1.0 - SMALLEST_SHARE) * mean / (mean - least);
+    shares.inline_map(|share| mass / sum * (mean + part * (share - mean)))
 }
 
 /// Returns how each node of a domain may move.

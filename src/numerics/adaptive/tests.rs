@@ -236,6 +236,26 @@ fn transport_of_a_jump_conserves_and_keeps_bounds() {
     }
 }
 
+/// An element whose corner the material has moved beyond the opposite diagonal has positive corner masses with the sum of its mass.
+/// Those of convex elements, also at the axis, are the integrals of the shape functions.
+#[test]
+fn corner_masses_of_concave_elements_are_positive() {
+    let with_corner = |r: f64, z: f64| [[0.0, 0.0], [1.0, 0.0], [r, z], [0.0, 1.0]];
+    for (r, z) in [(0.35, 0.3), (0.3, 0.25), (0.27, 0.26), (0.2, 0.2)] {
+        let integrals = quad::corner_masses(with_corner(r, z), 1.0);
+        let masses = corner_masses(with_corner(r, z), 3.0);
+        println!("{r} {z}: integrals {integrals:?}, masses {masses:?}");
+        assert!(masses.iter().all(|mass| *mass > 0.0), "{masses:?}");
+        assert!((masses.iter().sum::<f64>() / 3.0 - 1.0).abs() < 1e-14, "{masses:?}");
+    }
+    assert!(quad::corner_masses(with_corner(0.3, 0.25), 1.0).iter().any(|mass| *mass < 0.0));
+    for (r, z) in [(1.0, 1.0), (0.51, 0.5), (2.0, 0.01), (0.05, 3.0)] {
+        let integrals = quad::corner_masses(with_corner(r, z), 1.0);
+        let sum = (integrals[0] + integrals[1]) + (integrals[2] + integrals[3]);
+        assert_eq!(corner_masses(with_corner(r, z), 3.0), integrals.map(|mass| 3.0 / sum * mass));
+    }
+}
+
 /// Momentum is conserved to rounding, a uniform velocity stays uniform, no velocity leaves the range of the others, and
 /// the kinetic energy does not grow.
 #[test]

@@ -3,8 +3,8 @@
 use crate::model::{CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
 use crate::plan::ledger::Ledger;
 use crate::plan::{
-    AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRange,
-    PlannedRigidBody, RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
+    AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, MeshRenewal,
+    PlannedRange, PlannedRigidBody, RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
 };
 use crate::remesh::interpolation::TracerPoint;
 use crate::state::EffectId;
@@ -59,8 +59,8 @@ pub struct Plan {
     pub has_user_stress: bool,
     /// Cards of the deck against small increments.
     pub mesh_cards: MeshCards,
-    /// Whether the variables of an element group can move from element to element, as in adaptive and new meshes.
-    pub movable_groups: Vec<bool>,
+    /// Cards that may renew the mesh of each element group; empty in a deck with `*REMESH`.
+    pub renewals: Vec<MeshRenewal>,
     /// Ranges in which the constants of materials hold.
     pub ranges: Vec<PlannedRange>,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.

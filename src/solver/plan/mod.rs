@@ -41,6 +41,7 @@ pub use meshes::labels::FrameLabels;
 pub use meshes::pieces::pieces;
 pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
+pub use meshes::renewal::MeshRenewal;
 pub(crate) use output::Columns;
 pub use output::expressions::RowExpression;
 pub use output::{
@@ -115,9 +116,11 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     let PlannedSteps { list: steps, fronts, mut state } = steps::plan(scene, &links, &pairs, recording, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
-    let remesh = meshes::remesh::plan(scene, &pairs, &fronts, &mut state, &mut report);
+    let remesh = meshes::remesh::plan(scene, (&links, &pairs), &fronts, &mut state, &mut report);
     let shared_model = shared_model.filter(|_| adjusted.is_none());
-    let automatic_meshes = AutomaticMeshes::plan(scene, shared_model, &pairs, &fronts, &mut state, &report);
+    let renewals = MeshRenewal::plan(scene, (&links, &pairs), &mut state, &report);
+    let automatic_meshes =
+        AutomaticMeshes::plan(scene, shared_model, (&pairs, &renewals), &fronts, &mut state, &report);
     checks::check_plan(scene, &links, &pairs, &state, &mut report);
     let rows = steps::integration_rows(scene, &state, columns.list.len() + columns.fields.len(), &mut report);
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());
@@ -133,8 +136,6 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
-    let movable = state.elements.groups.iter_mut().map(|group| group.transfer().is_some());
-    let movable_groups = movable.collect();
     let mut plan = Plan {
         ledger,
         mesh: model.mesh.clone(),
@@ -154,7 +155,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         remesh,
         automatic_meshes,
         mesh_cards: MeshCards::of(model),
-        movable_groups,
+        renewals,
         stiffening: stiffening(model),
         returns_heat: model.materials.iter().any(|m| m.is_ideal_gas() || m.is_explosive()),
         has_equation_of_state: model.has_equation_of_state(),

@@ -126,17 +126,22 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
     // In a body that can have new meshes, no other card keeps the shape of an element that plastic flow has squashed.
     let mut supported = run.plan.automatic_meshes.iter().flat_map(AutomaticMeshes::groups);
     let is_supported = supported.any(|supported| supported == group);
-    if let Some(renewal) = renewal.filter(|_| is_supported && is_squashed(&run.state.elements)) {
+    if let Some(renewal) = renewal.as_ref().filter(|_| is_supported && is_squashed(&run.state.elements)) {
         return format!("plastic flow has squashed it: {renewal}");
     }
     // Distortion control is refused on meshes that do not follow the material.
     let follows_material = run.plan.remesh.is_none() && run.state.adaptive.is_empty();
-    let mut remeshed = run.plan.remesh.iter().flat_map(|remesh| &remesh.bodies);
-    if remeshed.any(|body| body.group == group) && is_squashed(&run.state.elements) {
-        return "plastic flow has squashed it, and its body has no newer mesh (R317, or the limits of *REMESH)".into();
+    let mut remeshed = run.plan.remesh.iter().flat_map(|remesh| &remesh.bodies).filter(|body| body.group == group);
+    if let Some(body) = remeshed.next().filter(|_| is_squashed(&run.state.elements)) {
+        let remedy = if body.automatic {
+            "*REMESH in the deck leaves out sheets and webs that are thinner than a part of its elements"
+        } else {
+            "a larger THICKNESS of *REMESH leaves out thicker sheets and webs"
+        };
+        return format!("plastic flow has squashed it, and a newer mesh is not better or not valid (R317): {remedy}");
     }
     let cards = [
-        renewal.map(str::to_owned),
+        renewal,
         (!erodes).then(|| format!("*EROSION{} deletes such elements", value("INCREMENT"))),
         (!controls_distortion && follows_material)
             .then(|| "DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from being squashed".to_owned()),
@@ -147,16 +152,22 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
     if cards.is_empty() { "A coarser mesh there has larger increments".into() } else { cards.join(", ") }
 }
 
-/// Returns the cards that renew the mesh of a body and that the deck does not have; `None` if there are none.
-fn name_renewal(run: &RunState<'_>, group: usize) -> Option<&'static str> {
-    let (remeshes, adapts) = (run.plan.remesh.is_some(), !run.state.adaptive.is_empty());
-    if remeshes || run.plan.movable_groups.get(group) != Some(&true) {
-        None
-    } else if adapts {
-        Some("*REMESH in place of *ADAPTIVE MESH gives a body that deforms far a new mesh")
-    } else {
-        Some("*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape")
-    }
+/// Returns the cards that renew the mesh of a body and that the deck does not have, or why `*REMESH` cannot; `None` in a deck with
+/// `*REMESH`.
+fn name_renewal(run: &RunState<'_>, group: usize) -> Option<String> {
+    let renewal = run.plan.renewals.get(group).filter(|_| run.plan.remesh.is_none())?;
+    let adapts = !run.state.adaptive.is_empty();
+    Some(match &renewal.refusal {
+        None if adapts => "*REMESH in place of *ADAPTIVE MESH gives a body that deforms far a new mesh".into(),
+        None if renewal.adapts => {
+            "*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape".into()
+        }
+        None => "*REMESH keeps the elements of a body that deforms far in shape".into(),
+        Some(_) if renewal.adapts && !adapts => {
+            "*ADAPTIVE MESH keeps the elements of a body that deforms far in shape".into()
+        }
+        Some(refusal) => format!("a new mesh would help, but the body cannot have one: {refusal}"),
+    })
 }
 
 /// Returns the end of a message of an element that has folded.

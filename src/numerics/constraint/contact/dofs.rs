@@ -144,6 +144,19 @@ impl ContactDofs {
         self.merged = used.map(|(nodes, dof)| MergedContactDof { dof: dof as usize, nodes }).collect();
     }
 
+    /// Returns for each point the first one with the same motion, for example of the nodes that a tie joins; empty if no
+    /// points move alike.
+    pub(super) fn points_that_move_alike(&self) -> Vec<u32> {
+        if self.merged.is_empty() {
+            return Vec::new();
+        }
+        // Nodes on the axis have different degrees of freedom along r, whose motions are prescribed.
+        let along_r = |dof: u32| self.list.get(dof as usize).filter(|(_, is_prescribed)| !is_prescribed).map(|_| dof);
+        let mut first: HashMap<(Option<u32>, u32), u32> = HashMap::new();
+        let points = self.of_points.iter().zip(0..);
+        points.map(|([r, z], point)| *first.entry((along_r(*r), *z)).or_insert(point)).collect()
+    }
+
     /// Begins a step: lists the rigid bodies and passes the free ones to `rows`.
     pub(super) fn begin(&mut self, rows: &mut ContactRows, dofs: &mut Dofs) {
         let known_bodies = std::mem::take(&mut self.bodies);

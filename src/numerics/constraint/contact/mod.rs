@@ -108,6 +108,7 @@ impl ContactConstraint {
     /// states whether there is.
     pub fn with_equal_motions(mut self, sets: Vec<MergedDofs>) -> ContactConstraint {
         self.system.dofs.merge(sets, &self.system.surfaces.points);
+        self.system.surfaces.alike = self.system.dofs.points_that_move_alike();
         self
     }
 

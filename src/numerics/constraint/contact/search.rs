@@ -156,8 +156,11 @@ impl ContactSearch {
     }
 
     /// Builds the lists. In self-contact (`other` is `None`) a pair of facets is listed once, under the lower index.
-    /// Facets with a common point are not candidates.
-    pub fn build(&mut self, own: &FacetCurve, other: Option<&FacetCurve>, places: &[[f64; 2]]) {
+    /// Facets with a common point, or with points that move alike, are not candidates. `alike` has for each point the first one
+    /// with the same motion; it is empty if there are none.
+    pub fn build(&mut self, own: &FacetCurve, other: Option<&FacetCurve>, (places, alike): (&[[f64; 2]], &[u32])) {
+        let of_motion = |point: u32| alike.get(point as usize).copied().unwrap_or(point);
+        let has_point = |facet: &[u32; 2], point: u32| facet.iter().any(|end| of_motion(*end) == of_motion(point));
         let (against, margin) = (other.unwrap_or(own), self.margin());
         let ContactSearch { facets, orphans, others, sorted, .. } = self;
         sorted.sort(boxes_of(against));
@@ -166,17 +169,21 @@ impl ContactSearch {
             let shape = &own.shapes[k as usize];
             sorted.near(shape.bounds(), margin, |j| {
                 let seen_already = other.is_none() && j <= k;
-                let neighbours = own.facets[k as usize].iter().any(|p| against.facets[j as usize].contains(p));
+                let neighbours = own.facets[k as usize].iter().any(|p| has_point(&against.facets[j as usize], *p));
                 if !seen_already && !neighbours {
                     facets.list.push(j);
                 }
             });
             facets.end_one();
         }
-        list_points(orphans, (own, own.orphans.iter().copied()), sorted, places, margin);
+        let is_apart = |curve: &FacetCurve, facet: u32, point| !has_point(&curve.facets[facet as usize], point);
+        let near = (&*sorted, places, margin);
+        list_points(orphans, (own, own.orphans.iter().copied()), near, |facet, point| is_apart(against, facet, point));
         if let Some(other) = other.filter(|o| o.single_points().next().is_some()) {
             sorted.sort(boxes_of(own));
-            list_points(others, (other, other.single_points().map(|point| point.0)), sorted, places, margin);
+            let points = other.single_points().map(|point| point.0);
+            let near = (&*sorted, places, margin);
+            list_points(others, (other, points), near, |facet, point| is_apart(own, facet, point));
         }
     }
 }
@@ -251,14 +258,18 @@ fn boxes_of(curve: &FacetCurve) -> impl Iterator<Item = (BoundingBox, u32)> + '_
 fn list_points(
     lists: &mut CandidateLists,
     (of, points): (&FacetCurve, impl Iterator<Item = u32>),
-    sorted: &SortedBoxes,
-    places: &[[f64; 2]],
-    margin: f64,
+    (sorted, places, margin): (&SortedBoxes, &[[f64; 2]], f64),
+    is_candidate: impl Fn(u32, u32) -> bool,
 ) {
     lists.clear();
     for index in points {
-        let position = places[of.points[index as usize] as usize];
-        sorted.near([position; 2], margin, |j| lists.list.push(j));
+        let point = of.points[index as usize];
+        let near = |j: u32| {
+            if is_candidate(j, point) {
+                lists.list.push(j);
+            }
+        };
+        sorted.near([places[point as usize]; 2], margin, near);
         lists.end_one();
     }
 }

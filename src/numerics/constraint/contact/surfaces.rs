@@ -15,7 +15,7 @@ use crate::state::dofs::Dofs;
 
 /// Surfaces in contact and their current places.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed, selected, close_slack, on_new_faces)]
+#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed, selected, close_slack, on_new_faces, alike)]
 #[memory(flat: analyticals)]
 pub(super) struct ContactSurfaces {
     pub(super) points: Vec<SurfacePoint>,
@@ -46,6 +46,8 @@ pub(super) struct ContactSurfaces {
     close_slack: f64,
     /// Whether each point belongs to a facet that element deletion has exposed; empty if there are none.
     on_new_faces: Vec<bool>,
+    /// For each point the first one with the same motion; empty if no points move alike.
+    pub(super) alike: Vec<u32>,
     /// Whether elements have been deleted since the previous increment.
     pub(super) uncovered: bool,
 }
@@ -277,7 +279,7 @@ impl ContactSurfaces {
     /// Searches candidates of all pairs from the shapes of all exposed facets. `dofs_of` are the degrees of freedom of each
     /// point.
     pub(super) fn search(&mut self, pairs: &mut [ContactPair], dofs_of: &[[u32; 2]]) {
-        let ContactSurfaces { curves, active, places, listed, selected, .. } = self;
+        let ContactSurfaces { curves, active, places, listed, selected, alike, .. } = self;
         selected.clear();
         curves.iter_mut().for_each(|curve| curve.shape(places));
         listed.clear();
@@ -288,7 +290,7 @@ impl ContactSurfaces {
             if active.are_apart(pair) {
                 pair.search.clear();
             } else if pair.analytical.is_none() {
-                pair.search.build(&curves[pair.secondary], pair.other.map(|other| &curves[other]), places);
+                pair.search.build(&curves[pair.secondary], pair.other.map(|other| &curves[other]), (places, alike));
             }
         }
         self.slack = self.slacks[0];

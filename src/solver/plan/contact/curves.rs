@@ -9,6 +9,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
+use crate::kernel::lists::sorted_pair;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
 use crate::model::{
     AnalyticalFront, Element, ElementSide, GeneralContact, Mesh, Model, ShellSection, SideSelection, SurfaceContact,
@@ -52,6 +53,8 @@ pub struct CurveContext<'a> {
     pub prescribed: &'a HashSet<(usize, usize)>,
     /// Degrees of freedom in equations.
     pub in_equations: &'a HashSet<(usize, usize)>,
+    /// Faces that ties join to other faces, as ascending pairs of mesh nodes.
+    pub tied_faces: &'a FxHashSet<[usize; 2]>,
     /// Outline of the solid elements.
     pub skin: &'a SolidOutline,
     /// General contact of the step, and all contact pairs of the step.
@@ -141,6 +144,9 @@ pub fn add_curve(
     let (mut facet_elements, mut left_out) = (Vec::new(), Vec::new());
     for &(element, side) in &sides.faces {
         let Some(mut ends) = scene.model.mesh.side_nodes(element, side) else { continue };
+        if contact.general && context.tied_faces.contains(&sorted_pair(ends)) {
+            continue;
+        }
         // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
         if side == ElementSide::Positive {
             ends.reverse();
@@ -167,6 +173,10 @@ pub fn add_curve(
     }
     warn_of_left_out(scene.model, contact, &sides.name, &left_out, report);
     facet_elements.retain(|(_, ends)| ends.iter().any(|&n| scene.model.mesh.points[n][0] != 0.0));
+    // All faces of a body inside another one can be tied.
+    if facets.is_empty() && contact.general && !context.tied_faces.is_empty() {
+        return None;
+    }
     if facets.is_empty() {
         let message = format!("surface `{}` has no facets off the axis", sides.name);
         return report.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));

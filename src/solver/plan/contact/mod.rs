@@ -6,6 +6,7 @@ pub mod cohesion;
 pub mod curves;
 pub mod general;
 pub mod penalty;
+pub mod tied_faces;
 pub mod walls;
 
 use std::cell::OnceCell;
@@ -24,6 +25,7 @@ use crate::plan::contact::cohesion::{CohesionList, CohesionOrigin, add_cohesion,
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, solid_skin};
 use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{PENALTY_FACTOR, spring_laws};
+use crate::plan::contact::tied_faces::tied_faces;
 use crate::plan::contact::walls::{spatial_side, station_contact};
 use crate::plan::queries::{heated_references, largest_distances, number_of_node};
 use crate::plan::{Pairs, Report, Scene, StepInput};
@@ -55,6 +57,7 @@ pub fn contact_constraint(
         input,
         prescribed: &prescribed_dofs,
         in_equations: &links.dofs_of_equations(),
+        tied_faces: &tied_faces(scene, links),
         skin: &solid_skin(scene.model),
         general: scene.model.steps[step].general_contact.as_ref(),
         pairs: all_pairs,

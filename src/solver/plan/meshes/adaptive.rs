@@ -103,7 +103,7 @@ fn adaptive_domain(
         report.add_unused_card(mesh.span, "adaptive mesh", "none of its elements is deformable");
         return None;
     };
-    if let Some((message, help)) = unsupported_domain(scene, mesh, &places, state, taken) {
+    if let Some((message, help)) = unsupported_domain(scene, (&mesh.set, &mesh.elements), &places, state, taken) {
         refuse_domain(mesh.span, message, help, report);
         return None;
     }
@@ -142,33 +142,33 @@ fn adaptive_domain(
 }
 
 /// Returns why a domain is not supported, and what would be.
-fn unsupported_domain(
+pub(super) fn unsupported_domain(
     scene: Scene,
-    mesh: &AdaptiveMesh,
+    (set, elements): (&str, &[usize]),
     places: &[(usize, usize)],
     state: &State,
     taken: &mut HashSet<usize>,
 ) -> Option<(String, &'static str)> {
     let group = places[0].0;
     if places.iter().any(|(g, _)| *g != group) {
-        let message = format!("the elements of `{}` belong to several sections", mesh.set);
+        let message = format!("the elements of `{}` belong to several sections", set);
         return Some((message, "give one *ADAPTIVE MESH for the elements of each section"));
     }
     let is_supported = |&(g, _): &(usize, usize)| state.elements.groups[g].topology() == ElementTopology::Quadrilateral;
     if !places.iter().all(is_supported) {
-        let message = format!("`{}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T", mesh.set);
+        let message = format!("`{}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T", set);
         return Some((message, "give a set of CAX4R, CAX4RT, CAX3 or CAX3T elements"));
     }
-    if mesh.elements.iter().any(|e| !taken.insert(*e)) {
-        let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
+    if elements.iter().any(|e| !taken.insert(*e)) {
+        let message = format!("elements of `{}` belong to two adaptive meshes", set);
         return Some((message, "give each element to one domain"));
     }
     if scene.model.scales_masses() && state.conducts_heat(group) {
         let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();
         return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
     }
-    if scales_equation_of_state(scene.model, &sorted_unique(mesh.elements.iter().copied())) {
-        let message = format!("the mass of `{}`, whose material has *EOS, is scaled", mesh.set);
+    if scales_equation_of_state(scene.model, &sorted_unique(elements.iter().copied())) {
+        let message = format!("the mass of `{}`, whose material has *EOS, is scaled", set);
         return Some((message, "give the mass scaling an ELSET without this domain"));
     }
     if state.elements.distortion.is_some() {
@@ -176,11 +176,11 @@ fn unsupported_domain(
         return Some((message, "remove DISTORTION CONTROL from *SECTION CONTROLS; the mesh stays undistorted"));
     }
     let nodes: Vec<usize> =
-        sorted_unique(mesh.elements.iter().flat_map(|e| scene.model.mesh.elements[*e].nodes.iter().copied()));
+        sorted_unique(elements.iter().flat_map(|e| scene.model.mesh.elements[*e].nodes.iter().copied()));
     if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &nodes) {
         let message = format!(
             "prescribed temperatures or field variables differ between the nodes of `{}`: they do not follow a mesh that moves",
-            mesh.set
+            set
         );
         return Some((message, "prescribe one value for all nodes of the domain in *TEMPERATURE and *FIELD"));
     }

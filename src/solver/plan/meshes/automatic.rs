@@ -7,8 +7,8 @@ use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
 use crate::model::{AnalyticalFront, Mesh, Model, RegionType, Remeshing, SolidSection, Step};
 use crate::plan::checks::plausibility::side_lengths;
-use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, has_faces_of, remeshed_body, unsupported_remeshing};
-use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
+use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, has_faces_of, remeshed_body};
+use crate::plan::{MeshRenewal, Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
 use crate::variables::Variable;
 
@@ -65,11 +65,11 @@ impl AutomaticMeshes {
     pub const INTERVAL: u64 = 10;
 
     /// Lists the bodies without a card that may have a new mesh; `None` without any. If all time increments are fixed,
-    /// none collapses. `shared` is the model of the scene, if its owner shares it.
+    /// none collapses. `renewals` are those of the element groups; `shared` is the model of the scene, if its owner shares it.
     pub fn plan(
         scene: Scene,
         shared: Option<&Arc<Model>>,
-        pairs: &Pairs,
+        (pairs, renewals): (&Pairs, &[MeshRenewal]),
         fronts: &[AnalyticalFront],
         state: &mut State,
         report: &Report,
@@ -94,12 +94,11 @@ impl AutomaticMeshes {
                 return None;
             }
             let card = card_of(model, index);
-            let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
             let adapts = moves_nodes(model, &card.elements);
             if contains_any(&model.kept_meshes, &card.elements)
                 || has_needles(&model.mesh, &card.elements)
                 || adapts && has_spatial_constraints(model)
-                || unsupported_remeshing(scene, pairs, &card, &body, state, report).is_some()
+                || renewals.get(group).is_none_or(|renewal| renewal.refusal.is_some())
             {
                 return None;
             }
@@ -147,7 +146,7 @@ impl AutomaticMeshes {
 }
 
 /// Returns the card of the body of a section.
-fn card_of(model: &Model, section: usize) -> Remeshing {
+pub(super) fn card_of(model: &Model, section: usize) -> Remeshing {
     let section = &model.sections[section];
     let elements = sorted_unique(section.elements.iter().copied());
     let angle = if moves_nodes(model, &elements) { SHARP_ADAPTIVE } else { SHARP };

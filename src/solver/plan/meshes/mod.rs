@@ -7,4 +7,5 @@ pub mod numbering;
 pub mod pieces;
 pub mod places;
 pub mod remesh;
+pub mod renewal;
 pub mod surfaces;

@@ -15,7 +15,7 @@ use crate::plan::contact::cohesion::cohesion_of;
 use crate::plan::heat::fields::has_uniform_fields;
 use crate::plan::meshes::pieces::parts_in_contact;
 use crate::plan::solids::mass_scaling::scales_equation_of_state;
-use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
+use crate::plan::{Links, Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
 use crate::state::{BodyState, EffectId};
@@ -60,7 +60,7 @@ const UNCARRIED_ROUTINES: &str =
 /// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
     scene: Scene,
-    pairs: &Pairs,
+    (links, pairs): (&Links, &Pairs),
     fronts: &[AnalyticalFront],
     state: &mut State,
     report: &mut Report,
@@ -72,7 +72,7 @@ pub fn plan(
     let mut bodies = Vec::new();
     for (index, card) in model.remeshings.iter().enumerate() {
         let body = ModelBody::new(model, index);
-        if let Some((message, help)) = unsupported_remeshing(scene, pairs, card, &body, state, report) {
+        if let Some((message, help)) = unsupported_remeshing(scene, (links, pairs), card, &body, (state, report)) {
             report.push(Diagnostic::error("P072", message).at(card.span, "this body").help(help));
             continue;
         }
@@ -142,11 +142,10 @@ pub(super) fn remeshed_body(places: &SolidPlaces, card: &Remeshing, body: &Model
 /// Returns why a body cannot be remeshed, and what could be.
 pub(super) fn unsupported_remeshing(
     scene: Scene,
-    pairs: &Pairs,
+    (links, pairs): (&Links, &Pairs),
     card: &Remeshing,
     body: &ModelBody,
-    state: &State,
-    report: &Report,
+    (state, report): (&State, &Report),
 ) -> Option<(String, &'static str)> {
     let name = &card.set;
     let groups = &state.elements.groups;
@@ -205,6 +204,13 @@ pub(super) fn unsupported_remeshing(
             "attach it to a node on the boundary of the body, or use *BOUNDARY, pressures or body forces",
         ));
     }
+    if has_pairs_at_ties(scene, links, pairs, body) {
+        let message = format!("a *CONTACT PAIR contains tied nodes of `{name}` or of the body to which it is tied");
+        return Some((
+            message,
+            "leave the faces at tied nodes out of the surfaces of the pair, or use general contact (*CONTACT)",
+        ));
+    }
     let exclusion = excluded_by_model(scene, state, report)
         .or_else(|| excluded_by_elements(scene.model, pairs, &card.elements))
         .or_else(|| excluded_by_nodes(scene, body, &used));
@@ -258,6 +264,23 @@ fn ties_rigid_bodies(scene: Scene) -> bool {
         let masters = tie.masters.iter().filter_map(|(e, side)| mesh.side_nodes(*e, *side)).flatten();
         tie.slaves.iter().any(is_rigid) || masters.into_iter().any(|node| is_rigid(&node))
     })
+}
+
+/// Returns whether a body is tied, and a contact pair contains tied nodes. They may be in contact while the nodes of both
+/// surfaces coincide; those of a new mesh are in equations.
+fn has_pairs_at_ties(scene: Scene, links: &Links, pairs: &Pairs, body: &ModelBody) -> bool {
+    let model = scene.model;
+    if model.constraints.ties.is_empty() {
+        return false;
+    }
+    let linked: FxHashSet<usize> = links.involved_dofs().into_iter().map(|(node, _)| node).collect();
+    let is_linked = |node: &usize| scene.places.nodes.get(node).is_some_and(|place| linked.contains(place));
+    let has_linked_face = |side: &SideSelection| {
+        let ends = side.faces.iter().filter_map(|(element, side)| model.mesh.side_nodes(*element, *side));
+        ends.flatten().any(|node| is_linked(&node))
+    };
+    let mut contacts = pairs.by_step.iter().flat_map(|pairs| pairs.iter()).filter(|contact| !contact.general);
+    body.nodes.iter().any(is_linked) && contacts.any(|contact| contact.sides.iter().any(has_linked_face))
 }
 
 /// Returns what excludes new meshes at the nodes or elements of a body.
