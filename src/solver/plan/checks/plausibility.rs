@@ -8,7 +8,11 @@ use crate::model::{
     DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, SYSTEMS,
     SolidSection, Step, UnitSystem, is_without_units,
 };
-use crate::plan::checks::targets::check_targets;
+use crate::plan::checks::blasts::check_blasts;
+use crate::plan::checks::equations_of_state::check_detonation_times;
+use crate::plan::checks::strengths::check_methods;
+use crate::plan::checks::targets::{check_shots, check_targets};
+use crate::plan::checks::unit_systems::check_unit_systems;
 use crate::plan::checks::values::check_values;
 use crate::plan::{Report, Scene, State};
 use crate::platform::PortableMath as _;
@@ -41,11 +45,16 @@ pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) ->
 
 pub fn check_plausibility(scene: Scene, state: &State, report: &mut Report) {
     check_targets(scene, report);
+    check_shots(scene, report);
+    check_blasts(scene.model, report);
     if state.elements.is_empty() {
         check_increments_of_springs(scene.model, state.elements.stable_increment(), report);
         return;
     }
     check_units(scene.model, report);
+    check_unit_systems(scene.model, report);
+    check_detonation_times(scene.model, report);
+    check_methods(scene.model, report);
     check_values(scene.model, report);
     check_initial_speed(scene.model, report);
     if let Some((time, element)) = shortest_wave_transit(scene.model) {
@@ -74,7 +83,7 @@ fn check_units(model: &Model, report: &mut Report) {
 /// An initial velocity along a degree of freedom.
 pub struct InitialVelocity<'m> {
     pub condition: &'m InitialCondition,
-    dof: u8,
+    pub dof: u8,
     pub value: f64,
 }
 

@@ -3,11 +3,14 @@
 
 use crate::deck::{Diagnostic, Span};
 use crate::model::{
-    InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
+    InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, SolidSection,
+    StrainAtFailure,
     is_without_units,
 };
 use crate::plan::Report;
+use crate::plan::checks::equations_of_state::check_equation_of_state;
 use crate::plan::checks::plausibility::side_lengths;
+use crate::plan::checks::strengths::check_strength;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
@@ -24,10 +27,10 @@ const LARGEST_MASS_FACTOR: f64 = 1e4;
 const LARGEST_ELONGATION: f64 = 300.0;
 
 /// An implausible value.
-struct Finding {
-    code: &'static str,
-    message: String,
-    help: &'static str,
+pub struct Finding {
+    pub code: &'static str,
+    pub message: String,
+    pub help: &'static str,
 }
 
 /// Warns of implausible materials, controls and elements of deformable bodies.
@@ -41,6 +44,8 @@ pub fn check_values(model: &Model, report: &mut Report) {
         failure(material, &mut findings);
         stiffness(material, &mut findings);
         check_temperatures(model, material, &mut findings);
+        check_strength(model, material, smallest_size(model, material), &mut findings);
+        check_equation_of_state(model, material, &mut findings);
         for Finding { code, message, help } in findings {
             warn_about(code, message, (material.span, "this material"), help, report);
         }
@@ -48,6 +53,13 @@ pub fn check_values(model: &Model, report: &mut Report) {
     check_controls(model, report);
     check_edges(model, report);
     check_fixed_velocities(model, report);
+}
+
+/// Returns the length of the shortest side of the solid elements of a material.
+fn smallest_size(model: &Model, material: &MaterialDefinition) -> Option<f64> {
+    let is_of = |section: &&SolidSection| model.materials.get(section.material.index()).is_some_and(|m| m.span == material.span);
+    let elements = model.sections.iter().filter(is_of).flat_map(|section| &section.elements);
+    elements.map(|&e| side_lengths(&model.mesh.elements[e], &model.mesh.points)[0]).reduce(f64::min)
 }
 
 /// Warns of an initial velocity all of whose nodes are fixed.
