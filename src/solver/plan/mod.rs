@@ -172,7 +172,8 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
 /// Returns the names of all contact pairs of two surfaces.
 fn names_of_pairs(model: &Model) -> Vec<String> {
     let pairs = model.steps.iter().flat_map(|step| &step.surface_contacts).filter(|pair| !pair.is_self_contact());
-    let mut names: Vec<String> = pairs.map(|pair| pair.sides.each_ref().map(|side| format!("`{}`", side.name)).join(" and ")).collect();
+    let mut names: Vec<String> =
+        pairs.map(|pair| pair.sides.each_ref().map(|side| format!("`{}`", side.name)).join(" and ")).collect();
     names.sort_unstable();
     names.dedup();
     names

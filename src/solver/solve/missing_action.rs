@@ -6,9 +6,9 @@ use super::watch::RunReport;
 use crate::element::values;
 use crate::variables::Variable;
 
-/// Fraction of the yield stress that no element of a plastic material reaches: loads and velocities are then too small by a
-/// factor of 20 at least. Mistakes in units are factors of 1000; elastic designs use more than a tenth of the yield stress.
-const UNLOADED: f64 = 0.05;
+/// Fraction of the yield stress that no element of a plastic material reaches if loads and velocities are too small by a unit:
+/// mistakes in units are factors of 1000. Parts that stay elastic by design reach 0.01 to 0.5.
+const UNLOADED: f64 = 1e-3;
 
 /// Returns the largest von Mises stress over the initial yield stress so far. Stops at a stress of [`UNLOADED`].
 pub(super) fn largest_utilization(run: &RunState<'_>, previous: f64) -> f64 {
@@ -16,7 +16,11 @@ pub(super) fn largest_utilization(run: &RunState<'_>, previous: f64) -> f64 {
         return previous;
     }
     let nodes = run.state.dofs.nodes.as_slice();
-    let groups = run.plan.yield_stresses.iter().filter_map(|&(group, stress)| Some((run.state.elements.groups.get(group)?, stress)));
+    let groups = run
+        .plan
+        .yield_stresses
+        .iter()
+        .filter_map(|&(group, stress)| Some((run.state.elements.groups.get(group)?, stress)));
     groups.fold(previous, |largest, (group, stress)| {
         let mises = |element| values::value(&**group, nodes, element, Variable::Mises.into()).unwrap_or(0.0);
         (0..group.len()).map(mises).fold(largest, |largest, mises| largest.max(mises / stress))
@@ -43,7 +47,7 @@ impl RunReport {
         let utilization = largest_utilization(run, self.watch.utilization);
         if !run.plan.yield_stresses.is_empty() && utilization < UNLOADED {
             self.outcome.warn("R329", format!(
-                "no plastic material has reached {:.0} % of its yield stress: the largest von Mises stress was {:.1e} of it. \
+                "no plastic material has reached {:.1} % of its yield stress: the largest von Mises stress was {:.1e} of it. \
                  Loads, prescribed motions or velocities are probably in other units, or the step is too short",
                 100.0 * UNLOADED,
                 utilization

@@ -13,7 +13,8 @@ pub fn check_blasts(model: &Model, report: &mut Report) {
         }
         if sides.faces.iter().all(|&face| faces_away(model, face, [0.0, *height])) {
             let message = format!("all faces of `{}` face away from the charge at z = {height:e}", sides.name);
-            let help = "check the coordinates of the source node, and the sides of the surface (SPOS or SNEG for shells)";
+            let help =
+                "check the coordinates of the source node, and the sides of the surface (SPOS or SNEG for shells)";
             return warn_about("P154", message, (load.span, "this surface"), help, report);
         }
     }

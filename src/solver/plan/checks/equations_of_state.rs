@@ -58,7 +58,8 @@ fn check_gas(model: &Model, material: &MaterialDefinition, gas_constant: f64, fi
     let initial = model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
     let coldest = initial.map(|temperature| temperature - zero).fold(f64::INFINITY, f64::min);
     if (0.0..COLDEST_GAS).contains(&coldest) && coldest > 0.0 && temperatures_are_absolute(model) {
-        let message = format!("the absolute initial temperature {coldest} of the gas `{name}` is below its boiling point");
+        let message =
+            format!("the absolute initial temperature {coldest} of the gas `{name}` is below its boiling point");
         let help = "with temperatures in deg C give *PHYSICAL CONSTANTS, ABSOLUTE ZERO=-273.15";
         findings.push(Finding { code: "P141", message, help });
     }
@@ -82,7 +83,9 @@ fn check_detonation_speed(material: &MaterialDefinition, constants: &[f64; 8], f
             "density, A, B, R1, R2, omega and detonation energy of `{name}` give a detonation wave speed of {computed:.4e} \
              (Chapman-Jouguet), the card has {speed:.4e}"
         ),
-        None => format!("the constants of *EOS, TYPE=JWL of `{name}` have no Chapman-Jouguet point: they allow no detonation"),
+        None => format!(
+            "the constants of *EOS, TYPE=JWL of `{name}` have no Chapman-Jouguet point: they allow no detonation"
+        ),
     };
     let help = "the order of the constants is D, A, B, omega, R1, R2, detonation energy per mass; published sets agree within 2 %";
     findings.push(Finding { code: "P140", message, help });
@@ -112,7 +115,8 @@ pub fn check_detonation_times(model: &Model, report: &mut Report) {
         let Some(EosKind::Jwl([speed, ..])) = material.eos.as_ref().map(|eos| &eos.kind) else { continue };
         let nodes = section.elements.iter().flat_map(|&e| &model.mesh.elements[e].nodes);
         let arrival = |point: [f64; 2]| {
-            let times = material.detonation.iter().map(|[r, z, delay]| delay + libm::hypot(point[0] - r, point[1] - z) / speed);
+            let times =
+                material.detonation.iter().map(|[r, z, delay]| delay + libm::hypot(point[0] - r, point[1] - z) / speed);
             times.fold(f64::INFINITY, f64::min)
         };
         let first = nodes.map(|&n| arrival(model.mesh.points[n])).fold(f64::INFINITY, f64::min);

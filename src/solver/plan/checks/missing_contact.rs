@@ -21,7 +21,8 @@ pub fn check_missing_contact(scene: Scene, report: &mut Report) {
     }
     let help = "add *CONTACT PAIR with this interaction, or *CONTACT, to the step";
     if let Some(card) = model.origin.inert.iter().find(|card| card.keyword == "SURFACE INTERACTION") {
-        let message = "the deck has a *SURFACE INTERACTION, and no step defines contact: bodies move through each other";
+        let message =
+            "the deck has a *SURFACE INTERACTION, and no step defines contact: bodies move through each other";
         return warn_about("P151", message.into(), (card.span, "this interaction is not used"), help, report);
     }
     let deforms = !scene.places.elements.is_empty();
@@ -48,7 +49,8 @@ pub fn check_unjoined_faces(scene: Scene, links: &Links, pairs: &Pairs, report: 
     }
     edges.sort_unstable_by(|a, b| a.middle[1].total_cmp(&b.middle[1]));
     let contacts = contacts_of(model, links, pairs, &parts);
-    let are_joined = |a: usize, b: usize| contacts.connect([a.min(b), a.max(b)]) || contacts.are_tied([a.min(b), a.max(b)]);
+    let are_joined =
+        |a: usize, b: usize| contacts.connect([a.min(b), a.max(b)]) || contacts.are_tied([a.min(b), a.max(b)]);
     for (index, edge) in edges.iter().enumerate() {
         let reach = edge.middle[1] + SAME_PLACE * edge.length;
         let mut near = edges[index + 1..].iter().take_while(|other| other.middle[1] <= reach);
@@ -91,11 +93,7 @@ impl Edge {
     }
 }
 
-fn edges_of<'m>(
-    model: &'m Model,
-    part: usize,
-    faces: &'m [(usize, ElementSide)],
-) -> impl Iterator<Item = Edge> + 'm {
+fn edges_of<'m>(model: &'m Model, part: usize, faces: &'m [(usize, ElementSide)]) -> impl Iterator<Item = Edge> + 'm {
     faces.iter().filter_map(move |&(element, side)| {
         let nodes = model.mesh.side_nodes(element, side)?;
         let [a, b] = nodes.map(|n| model.mesh.points[n]);
@@ -105,9 +103,11 @@ fn edges_of<'m>(
     })
 }
 
-/// Returns the nodes of equations and couplings.
+/// Returns the nodes of equations, couplings and cohesive elements.
 fn linked_nodes(model: &Model) -> HashSet<usize> {
     let terms = model.constraints.equations.iter().flat_map(|equation| &equation.terms).map(|term| term.0);
     let links = model.constraints.links.iter().flat_map(|link| link.nodes.iter().copied());
-    terms.chain(links).collect()
+    let cohesive = model.cohesive_sections.iter().flat_map(|section| &section.elements);
+    let bonded = cohesive.flat_map(|&e| model.mesh.elements[e].nodes.iter().copied());
+    terms.chain(links).chain(bonded).collect()
 }

@@ -1,14 +1,15 @@
 //! Checks that judge a complete plan, and warn of input that is probably a mistake.
 
+pub mod amplitudes;
 pub mod blasts;
 pub mod contact_pairs;
 pub mod equations_of_state;
 pub mod missing_contact;
-pub mod strengths;
-pub mod unit_systems;
 pub mod overlaps;
 pub mod plausibility;
+pub mod strengths;
 pub mod targets;
+pub mod unit_systems;
 pub mod values;
 
 use crate::deck::Diagnostic;

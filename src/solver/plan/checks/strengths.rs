@@ -4,7 +4,8 @@
 use super::unit_systems::ROOM_IN_KELVIN;
 use super::values::{Finding, warn_about};
 use crate::model::{
-    DamageEvolution, EosKind, HourglassMethod, MaterialDefinition, Model, PlasticityModel, StrainAtFailure,
+    DamageEvolution, EosKind, HourglassMethod, MaterialDefinition, Model, PlasticityModel, RateDependence,
+    StrainAtFailure,
 };
 use crate::plan::Report;
 
@@ -26,6 +27,13 @@ const TENSION_PER_COMPRESSION: f64 = 0.35;
 const CRUSHING_STRAIN: f64 = 0.05;
 /// Ratio of the yield stress of a foam to its Young's modulus above which units differ: foams yield at strains of 0.01 to 0.1.
 const FOAM_YIELD: f64 = 0.5;
+/// Tensile cutoff over the yield stress below which units differ.
+const LEAST_CUTOFF: f64 = 0.01;
+/// Largest coefficient of thermal expansion of solids and liquids, 1/K.
+const LARGEST_EXPANSION: f64 = 2e-3;
+/// Rate D of the law of Cowper and Symonds below which the static yield stress, measured at 1e-4 1/s, would not exist; in the
+/// unit of time of the deck, with a margin for milliseconds.
+const LEAST_RATE: f64 = 1e-5;
 /// Friction coefficient above which a mistake is assumed: rubber has up to 1.2, clean metals in air up to 1.5.
 const LARGEST_FRICTION: f64 = 1.5;
 /// Usual factors on the hourglass stiffness (ABAQUS Keywords Reference Guide, *SECTION CONTROLS).
@@ -45,13 +53,62 @@ pub fn check_strength(model: &Model, material: &MaterialDefinition, length: Opti
     check_foam(material, findings);
     check_geomaterials(material, findings);
     check_temperature_scales(model, material, findings);
+    check_cutoff(material, findings);
+    check_sensitivities(material, findings);
+}
+
+/// Checks the tensile cutoff of a metal: its spall strength is of the order of its yield stress, or above.
+fn check_cutoff(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
+    let name = &material.name;
+    let Some(cutoff) = material.tensile_failure.as_ref().map(|failure| failure.cutoff) else { return };
+    let elastic = material.elastic.map(|[modulus, ratio]| modulus / (3.0 - 6.0 * ratio));
+    if let Some(bulk) = elastic.or(material.bulk_modulus(None)).filter(|bulk| cutoff > *bulk) {
+        let message =
+            format!("the tensile cutoff {cutoff:e} of `{name}` is above its bulk modulus {bulk:e}: it never acts");
+        implausible(
+            findings,
+            message,
+            "spall strengths of metals are 1 to 5 GPa; give the cutoff in the unit of the moduli",
+        );
+    }
+    let stress = match &material.plastic {
+        Some(PlasticityModel::JohnsonCook([stress, ..])) => *stress,
+        Some(PlasticityModel::Tabular(rows)) => rows.first().map_or(0.0, |row| row[0]),
+        _ => 0.0,
+    };
+    if cutoff < LEAST_CUTOFF * stress {
+        let message =
+            format!("the tensile cutoff {cutoff:e} of `{name}` is {:.1e} of its yield stress", cutoff / stress);
+        implausible(findings, message, "spall strengths of metals are above their yield stress; give both in one unit");
+    }
+}
+
+/// Checks the coefficients of thermal expansion and of the rate dependence by Cowper and Symonds.
+fn check_sensitivities(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
+    let name = &material.name;
+    let rows = material.thermal.expansion.iter().flat_map(|expansion| &expansion.rows);
+    let largest = rows.map(|row| row[0].abs()).fold(0.0, f64::max);
+    if largest > LARGEST_EXPANSION {
+        let message =
+            format!("the thermal expansion {largest:e} of `{name}` is above {LARGEST_EXPANSION:e} per degree");
+        implausible(findings, message, "metals have 5e-6 to 3e-5, polymers 1e-4, liquids up to 1.5e-3");
+    }
+    if let Some(RateDependence::PowerLaw(rows)) = &material.rate
+        && let Some([rate, ..]) = rows.iter().find(|row| row[0] < LEAST_RATE)
+    {
+        let message = format!(
+            "D = {rate:e} of the rate dependence of `{name}` doubles the yield stress at rates below those of static tests"
+        );
+        implausible(findings, message, "the order of the constants is D, n: mild steel has 40.4 per second and 5");
+    }
 }
 
 /// Checks a table of yield stress over plastic strain at one temperature.
 fn check_hardening(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let Some(PlasticityModel::Tabular(rows)) = &material.plastic else { return };
     let name = &material.name;
-    let is_isothermal = rows.iter().all(|row| row[2..] == rows[0][2..]);
+    // NaN stands for a temperature that is not given.
+    let is_isothermal = rows.iter().all(|row| row[2].to_bits() == rows[0][2].to_bits());
     let [_, second, .., last] = &rows[..] else { return };
     if !is_isothermal {
         return;
@@ -61,7 +118,11 @@ fn check_hardening(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
             "the plastic strains of `{name}` are {}, ..., {}: they are probably in percent",
             second[1], last[1]
         );
-        implausible(findings, message, "the second value of a row of *PLASTIC is the true plastic strain, 0.02 for 2 %");
+        implausible(
+            findings,
+            message,
+            "the second value of a row of *PLASTIC is the true plastic strain, 0.02 for 2 %",
+        );
     }
     let largest = rows.iter().map(|row| row[0]).fold(0.0, f64::max);
     if rows.len() > 2 && last[0] < (1.0 - SOFTENING) * largest && second[0] >= rows[0][0] {
@@ -82,7 +143,9 @@ fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, fin
         let strain = match &criterion.strain {
             StrainAtFailure::Constant(strain) => Some(*strain),
             StrainAtFailure::JohnsonCook([d1, d2, d3, ..], _) => Some(d1 + d2 * libm::exp(-d3 / 3.0)),
-            StrainAtFailure::Ductile(rows) | StrainAtFailure::Shear(rows) => rows.iter().map(|row| row[0]).reduce(f64::min),
+            StrainAtFailure::Ductile(rows) | StrainAtFailure::Shear(rows) => {
+                rows.iter().map(|row| row[0]).reduce(f64::min)
+            }
         };
         if let Some(strain) = strain.filter(|strain| *strain > LARGEST_FAILURE_STRAIN) {
             let message = format!("`{name}` fails at a plastic strain of {strain:.3} in tension: no metal reaches it");
@@ -91,7 +154,9 @@ fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, fin
         if let StrainAtFailure::Ductile(rows) = &criterion.strain
             && increases_with_triaxiality(rows)
         {
-            let message = format!("the strain at damage initiation of `{name}` increases with the stress triaxiality: tension is stronger than compression");
+            let message = format!(
+                "the strain at damage initiation of `{name}` increases with the stress triaxiality: tension is stronger than compression"
+            );
             implausible(findings, message, "the triaxiality is -p/q: positive in tension (1/3 in uniaxial tension)");
         }
         if let (DamageEvolution::Displacement(displacement), Some(length)) = (criterion.evolution, length)
@@ -109,7 +174,8 @@ fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, fin
 
 /// Returns whether a table at one rate and temperature only increases with the triaxiality.
 fn increases_with_triaxiality(rows: &[[f64; 4]]) -> bool {
-    let is_one_curve = rows.iter().all(|row| row[2..] == rows[0][2..]);
+    let bits = |row: &[f64; 4]| [row[2].to_bits(), row[3].to_bits()];
+    let is_one_curve = rows.iter().all(|row| bits(row) == bits(&rows[0]));
     rows.len() > 1 && is_one_curve && rows.windows(2).all(|pair| pair[1][1] > pair[0][1] && pair[1][0] > pair[0][0])
 }
 
@@ -155,7 +221,8 @@ fn check_geomaterials(material: &MaterialDefinition, findings: &mut Vec<Finding>
             implausible(findings, message, "give angles in degrees");
         }
     }
-    let (Some((hardening, _)), Some((stiffening, _))) = (&cards.compression_hardening, &cards.tension_stiffening) else {
+    let (Some((hardening, _)), Some((stiffening, _))) = (&cards.compression_hardening, &cards.tension_stiffening)
+    else {
         return;
     };
     let peak = hardening.rows.iter().copied().reduce(|a, b| if b[0] > a[0] { b } else { a });
@@ -169,7 +236,9 @@ fn check_geomaterials(material: &MaterialDefinition, findings: &mut Vec<Finding>
         implausible(findings, message, "check *CONCRETE TENSION STIFFENING and *CONCRETE COMPRESSION HARDENING");
     }
     if hardening.rows.len() > 1 && strain > CRUSHING_STRAIN {
-        let message = format!("`{name}` reaches its compressive strength at an inelastic strain of {strain}; concrete has 0.001 to 0.02");
+        let message = format!(
+            "`{name}` reaches its compressive strength at an inelastic strain of {strain}; concrete has 0.001 to 0.02"
+        );
         implausible(findings, message, "inelastic strains are fractions, 0.002 for 0.2 %");
     }
 }
@@ -210,9 +279,8 @@ pub fn check_methods(model: &Model, report: &mut Report) {
         report_friction(friction, (step.span, "general contact of this step"), report);
     }
     let [least, most] = HOURGLASS_FACTORS;
-    let is_stiffness = |method: Option<HourglassMethod>| {
-        !matches!(method, Some(HourglassMethod::Enhanced | HourglassMethod::Viscous))
-    };
+    let is_stiffness =
+        |method: Option<HourglassMethod>| !matches!(method, Some(HourglassMethod::Enhanced | HourglassMethod::Viscous));
     let tuned = |section: &&crate::model::SolidSection| {
         let factor = section.controls.factor;
         factor != 0.0 && is_stiffness(section.controls.hourglass) && !(least..=most).contains(&factor)
@@ -229,15 +297,21 @@ pub fn check_methods(model: &Model, report: &mut Report) {
 }
 
 fn report_friction(friction: f64, place: (crate::deck::Span, &str), report: &mut Report) {
-    let message = format!("the friction coefficient {friction} is above {LARGEST_FRICTION}, which no pair of materials reaches");
-    warn_about("P143", message, place, "metals have 0.05 to 0.8, rubber up to 1.2; *FRICTION, ROUGH allows no slip", report);
+    let message =
+        format!("the friction coefficient {friction} is above {LARGEST_FRICTION}, which no pair of materials reaches");
+    warn_about(
+        "P143",
+        message,
+        place,
+        "metals have 0.05 to 0.8, rubber up to 1.2; *FRICTION, ROUGH allows no slip",
+        report,
+    );
 }
 
-/// Warns of steps without linear or quadratic bulk viscosity in a model with shocks, that is, with a Hugoniot or an explosive.
+/// Warns of steps without linear or quadratic bulk viscosity in a model with shocks, that is, with a Hugoniot.
 fn check_shock_viscosity(model: &Model, report: &mut Report) {
-    let is_shocked = |material: &&MaterialDefinition| {
-        matches!(material.eos.as_ref().map(|eos| &eos.kind), Some(EosKind::UsUp(_) | EosKind::Tabular(_) | EosKind::Jwl(_)))
-    };
+    let is_shocked =
+        |material: &&MaterialDefinition| matches!(material.eos.as_ref().map(|eos| &eos.kind), Some(EosKind::UsUp(_)));
     let used = model.sections.iter().filter_map(|section| model.materials.get(section.material.index()));
     let Some(material) = used.filter(is_shocked).next() else { return };
     let missing = |linear: f64, quadratic: f64| match [linear == 0.0, quadratic == 0.0] {

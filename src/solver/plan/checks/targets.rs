@@ -77,16 +77,30 @@ pub fn check_shots(scene: Scene<'_>, report: &mut Report) {
         let Some(target) = model.targets.get(target.index()) else { continue };
         let elements: HashSet<usize> = sides.faces.iter().map(|face| face.0).collect();
         for body in model.rigid_bodies.iter().filter(|body| body.elements.iter().any(|e| elements.contains(e))) {
-            let mut along = initial_velocities(model).filter(|v| v.dof == 2 && v.condition.members.contains(&body.reference));
+            let mut along =
+                initial_velocities(model).filter(|v| v.dof == 2 && v.condition.members.contains(&body.reference));
             if let Some(velocity) = along.next().filter(|_| checked.insert((body.reference, target.span))) {
-                check_shot(model, &velocity, target, report);
+                let normal = largest_normal(model, &body.elements);
+                check_shot(model, &velocity, normal, target, report);
             }
         }
     }
 }
 
-fn check_shot(model: &Model, velocity: &InitialVelocity<'_>, target: &TargetStack, report: &mut Report) {
+/// Returns the largest component along z of the normals of facets: the resistance depends on the normal velocity.
+fn largest_normal(model: &Model, elements: &[usize]) -> f64 {
+    let component = |&e: &usize| {
+        let &[a, b] = &model.mesh.elements[e].nodes[..] else { return 1.0 };
+        let [dr, dz] = [0, 1].map(|i| model.mesh.points[b][i] - model.mesh.points[a][i]);
+        dr.abs() / libm::hypot(dr, dz)
+    };
+    elements.iter().map(component).fold(0.0, f64::max)
+}
+
+/// Checks the velocity of a projectile; `normal` is the largest normal velocity of its facets over its velocity.
+fn check_shot(model: &Model, velocity: &InitialVelocity<'_>, normal: f64, target: &TargetStack, report: &mut Report) {
     let (place, value) = ((velocity.condition.span, "this velocity"), velocity.value);
+    let largest = value.abs() * normal;
     if value * target.direction < 0.0 {
         let message = format!(
             "the initial velocity {value:e} leads away from the target `{}`, whose layers follow each other along {}z",
@@ -100,14 +114,14 @@ fn check_shot(model: &Model, velocity: &InitialVelocity<'_>, target: &TargetStac
     for material in materials {
         let (Some(cavity), Some(density)) = (&material.cavity, material.density) else { continue };
         let highest = cavity.derived.as_ref().map_or(f64::INFINITY, |derived| derived.range[1]);
-        if value.abs() > (1.0 + EXTRAPOLATION) * highest {
+        if largest > (1.0 + EXTRAPOLATION) * highest {
             let message = format!(
-                "the initial velocity {value:e} is above the range of the resistance of `{}`, which is derived up to {highest:e}",
+                "the initial velocity {value:e} has a component {largest:e} normal to the surface, above the range of the resistance of `{}`, which is derived up to {highest:e}",
                 material.name
             );
             return warn_about("P155", message, place, "give a higher velocity on *CAVITY EXPANSION, DERIVE", report);
         }
-        let x = value.abs() * (density / cavity.yield_stress).sqrt();
+        let x = largest * (density / cavity.yield_stress).sqrt();
         let resistance = cavity.yield_stress * (cavity.a + cavity.b * x + cavity.c * x * x);
         let units = model.settings.units.as_ref().and_then(DeckUnits::system);
         let mut systems = SYSTEMS.iter().filter(|system| {

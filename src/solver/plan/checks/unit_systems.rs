@@ -9,6 +9,13 @@ use crate::plan::Report;
 /// Ranges of density, kg/m3, and speed of sound sqrt(3 G/rho), m/s, of rubber, gels and tissue.
 const SOFT_DENSITIES: [f64; 2] = [300.0, 3000.0];
 const SOFT_SPEEDS: [f64; 2] = [0.3, 700.0];
+/// Lower limit of the density, kg/m3, and upper limit of the speed of sound sqrt(E/rho), m/s, of materials with the plasticity
+/// of von Mises: light wood and foams, and beryllium, which has 12 900.
+const LEAST_METAL_DENSITY: f64 = 100.0;
+const LARGEST_METAL_SPEED: f64 = 14e3;
+/// Unit system of hydrocodes that is rare in decks of solids: GPa, g/cm3 and km/s.
+const HYDROCODE: UnitSystem =
+    UnitSystem { names: ["mm", "mg", "us"], factors: [1e-3, 1e-6, 1e-6], derived: ["kN", "GPa", "J"] };
 /// Gravity, m/s2, and the relative tolerance by which a value is recognised.
 const GRAVITY: f64 = 9.81;
 const GRAVITY_TOLERANCE: f64 = 0.005;
@@ -56,16 +63,25 @@ impl Stiffness<'_> {
     }
 
     fn fits(&self, system: &UnitSystem) -> bool {
-        if !self.is_soft {
-            return system.fits(self.density, self.modulus);
-        }
         let speed = system.speed((self.modulus / self.density).sqrt());
-        is_within(system.density(self.density), SOFT_DENSITIES) && is_within(speed, SOFT_SPEEDS)
+        let density = system.density(self.density);
+        if !self.is_soft {
+            let is_dense = !self.is_metallic() || density >= LEAST_METAL_DENSITY && speed <= LARGEST_METAL_SPEED;
+            return is_dense && system.fits(self.density, self.modulus);
+        }
+        is_within(density, SOFT_DENSITIES) && is_within(speed, SOFT_SPEEDS)
+    }
+
+    /// Returns whether the material has the plasticity of metals: of von Mises, over the modulus of *ELASTIC.
+    fn is_metallic(&self) -> bool {
+        let plastic = &self.material.plastic;
+        let is_mises = matches!(plastic, Some(PlasticityModel::JohnsonCook(_) | PlasticityModel::Tabular(_)));
+        is_mises && self.material.elastic.is_some()
     }
 
     /// Returns the metal of this density in a unit system; `None` if it is not a metal.
     fn metal(&self, system: &UnitSystem) -> Option<&'static Metal> {
-        let is_metal = matches!(self.material.plastic, Some(PlasticityModel::JohnsonCook(_) | PlasticityModel::Tabular(_)));
+        let is_metal = self.is_metallic();
         let density = system.density(self.density);
         let is_steel = is_within(density, STEEL_DENSITIES);
         let known = METALS.iter().find(|metal| is_within(density, metal.densities));
@@ -95,7 +111,8 @@ pub fn check_unit_systems(model: &Model, report: &mut Report) {
     if units.is_some() && known.is_none() || known.is_none() && values.iter().any(|v| is_without_units(v.density)) {
         return;
     }
-    let mut systems: Vec<&UnitSystem> = SYSTEMS.iter().filter(|system| known.is_none_or(|k| k == *system)).collect();
+    let mut systems: Vec<&UnitSystem> =
+        SYSTEMS.iter().chain([&HYDROCODE]).filter(|system| known.is_none_or(|k| k == *system)).collect();
     let mut previous: Option<&Stiffness<'_>> = None;
     for value in &values {
         let all: Vec<&UnitSystem> = systems.clone();
@@ -129,7 +146,7 @@ fn report_unfit(value: &Stiffness<'_>, previous: Option<&Stiffness<'_>>, report:
             other.material.name, other.density, other.modulus
         );
         warn_about("P119", message, place, help, report);
-    } else if value.material.elastic.is_none() {
+    } else if value.material.elastic.is_none() || SYSTEMS.iter().any(|system| system.fits(density, modulus)) {
         let message = format!(
             "density {density:e} and modulus {modulus:e} of `{name}` (wave speed {:.3e}) are not plausible in any usual unit system",
             (modulus / density).sqrt()
@@ -188,7 +205,13 @@ fn check_gravity(model: &Model, systems: &[&UnitSystem], report: &mut Report) {
             systems[0].words(),
             acceleration(systems[0])
         );
-        return warn_about("P119", message, (load.span, "this load"), "give GRAV in the units of the materials", report);
+        return warn_about(
+            "P119",
+            message,
+            (load.span, "this load"),
+            "give GRAV in the units of the materials",
+            report,
+        );
     }
 }
 

@@ -1,11 +1,12 @@
 //! Warnings for implausible constants of materials, missing thermal data, implausible controls and elongated elements.
 //! Each names the value and the usual range. Units and velocities are checked in `plausibility.rs`.
 
+use std::collections::HashSet;
+
 use crate::deck::{Diagnostic, Span};
 use crate::model::{
     InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, SolidSection,
-    StrainAtFailure,
-    is_without_units,
+    StrainAtFailure, is_without_units,
 };
 use crate::plan::Report;
 use crate::plan::checks::equations_of_state::check_equation_of_state;
@@ -14,6 +15,8 @@ use crate::plan::checks::strengths::check_strength;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
+/// Largest constant C of the Johnson-Cook law; published fits of metals have 0.001 to 0.1.
+const LARGEST_RATE_CONSTANT: f64 = 0.2;
 /// Usual range of specific heat times one kelvin over the squared wave speed: polymers 7e-4, steel 2e-5, tungsten 7e-6.
 const HEAT_PER_STIFFNESS: [f64; 2] = [1e-6, 1e-2];
 /// Range of the initial yield stress over Young's modulus: soft pure metals have 1e-5, polymers 0.05, and the theoretical
@@ -53,11 +56,40 @@ pub fn check_values(model: &Model, report: &mut Report) {
     check_controls(model, report);
     check_edges(model, report);
     check_fixed_velocities(model, report);
+    check_missing_temperatures(model, report);
+}
+
+/// Warns of thermal elements without an initial temperature, while others have one above 0.
+fn check_missing_temperatures(model: &Model, report: &mut Report) {
+    let conditions = || model.initial_conditions.iter().filter(|c| c.kind.temperature().is_some());
+    let Some(first) =
+        conditions().find(|c| c.kind.temperature() != Some(0.0)).filter(|_| model.solves_for_temperatures())
+    else {
+        return;
+    };
+    let known: HashSet<usize> = conditions().flat_map(|condition| condition.members.iter().copied()).collect();
+    let is_cold = |e: &&usize| {
+        let element = &model.mesh.elements[**e];
+        element.kind.is_thermal() && element.nodes.iter().all(|node| !known.contains(node))
+    };
+    for section in &model.sections {
+        if let Some(&element) = section.elements.iter().find(is_cold) {
+            let message = format!(
+                "element {} conducts heat and has no initial temperature: it starts at 0, and other bodies at {}",
+                model.mesh.elements[element].name,
+                first.kind.temperature().unwrap_or_default()
+            );
+            let help = "give *INITIAL CONDITIONS, TYPE=TEMPERATURE for all bodies";
+            return warn_about("P141", message, (section.span, "this section"), help, report);
+        }
+    }
 }
 
 /// Returns the length of the shortest side of the solid elements of a material.
 fn smallest_size(model: &Model, material: &MaterialDefinition) -> Option<f64> {
-    let is_of = |section: &&SolidSection| model.materials.get(section.material.index()).is_some_and(|m| m.span == material.span);
+    let is_of = |section: &&SolidSection| {
+        model.materials.get(section.material.index()).is_some_and(|m| m.span == material.span)
+    };
     let elements = model.sections.iter().filter(is_of).flat_map(|section| &section.elements);
     elements.map(|&e| side_lengths(&model.mesh.elements[e], &model.mesh.points)[0]).reduce(f64::min)
 }
@@ -262,9 +294,11 @@ fn plasticity(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
         implausible(message, "yield stress and modulus need the same unit: MPa in mm, t, s and Pa in m, kg, s");
     }
     if let Some(RateDependence::JohnsonCook([c, _])) = material.rate
-        && !(0.0..=1.0).contains(&c)
+        && !(0.0..=LARGEST_RATE_CONSTANT).contains(&c)
     {
-        let message = format!("the rate constant C = {c} of `{name}` is outside 0 to 1; metals have 0.001 to 0.1");
+        let message = format!(
+            "the rate constant C = {c} of `{name}` is outside 0 to {LARGEST_RATE_CONSTANT}; metals have 0.001 to 0.1"
+        );
         implausible(message, "the order of the constants is C, reference strain rate");
     }
 }
