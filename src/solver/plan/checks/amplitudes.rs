@@ -6,7 +6,7 @@ use crate::plan::Report;
 
 /// Change of an amplitude within the steps, as a fraction of its whole range, below which its times are assumed to be in
 /// other units.
-const HARDLY_CHANGES: f64 = 0.01;
+const HARDLY_CHANGES: f64 = 0.015;
 
 /// Warns of amplitudes that hardly change in all steps that use them.
 pub fn check_amplitudes(model: &Model, report: &mut Report) {

@@ -35,7 +35,7 @@ const LARGEST_EXPANSION: f64 = 2e-3;
 /// unit of time of the deck, with a margin for milliseconds.
 const LEAST_RATE: f64 = 1e-5;
 /// Friction coefficient above which a mistake is assumed: rubber has up to 1.2, clean metals in air up to 1.5.
-const LARGEST_FRICTION: f64 = 1.5;
+pub const LARGEST_FRICTION: f64 = 1.5;
 /// Usual factors on the hourglass stiffness (ABAQUS Keywords Reference Guide, *SECTION CONTROLS).
 const HOURGLASS_FACTORS: [f64; 2] = [0.2, 3.0];
 /// Room temperature in deg C, with a margin.
@@ -296,7 +296,7 @@ pub fn check_methods(model: &Model, report: &mut Report) {
     check_shock_viscosity(model, report);
 }
 
-fn report_friction(friction: f64, place: (crate::deck::Span, &str), report: &mut Report) {
+pub fn report_friction(friction: f64, place: (crate::deck::Span, &str), report: &mut Report) {
     let message =
         format!("the friction coefficient {friction} is above {LARGEST_FRICTION}, which no pair of materials reaches");
     warn_about(
@@ -308,7 +308,7 @@ fn report_friction(friction: f64, place: (crate::deck::Span, &str), report: &mut
     );
 }
 
-/// Warns of steps without linear or quadratic bulk viscosity in a model with shocks, that is, with a Hugoniot.
+/// Warns of a step without linear or quadratic bulk viscosity in a model with shocks, that is, with a Hugoniot.
 fn check_shock_viscosity(model: &Model, report: &mut Report) {
     let is_shocked =
         |material: &&MaterialDefinition| matches!(material.eos.as_ref().map(|eos| &eos.kind), Some(EosKind::UsUp(_)));

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use super::plausibility::{InitialVelocity, initial_velocities};
+use super::strengths::{LARGEST_FRICTION, report_friction};
 use super::values::warn_about;
 use crate::model::{
     DeckUnits, LoadKind, MaterialDefinition, Model, RigidBody, SYSTEMS, TargetStack, UnitSystem, is_without_units,
@@ -71,9 +72,12 @@ pub fn check_targets(scene: Scene<'_>, report: &mut Report) {
 pub fn check_shots(scene: Scene<'_>, report: &mut Report) {
     let model = scene.model;
     let loads = model.steps.iter().flat_map(|step| &step.loads);
-    let mut checked = HashSet::new();
+    let (mut checked, mut checked_friction) = (HashSet::new(), HashSet::new());
     for load in loads {
-        let LoadKind::Cavity { sides, target, .. } = &load.kind else { continue };
+        let LoadKind::Cavity { sides, target, friction } = &load.kind else { continue };
+        if *friction > LARGEST_FRICTION && checked_friction.insert(load.span) {
+            report_friction(*friction, (load.span, "this load"), report);
+        }
         let Some(target) = model.targets.get(target.index()) else { continue };
         let elements: HashSet<usize> = sides.faces.iter().map(|face| face.0).collect();
         for body in model.rigid_bodies.iter().filter(|body| body.elements.iter().any(|e| elements.contains(e))) {

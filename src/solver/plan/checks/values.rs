@@ -15,6 +15,8 @@ use crate::plan::checks::strengths::check_strength;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
+/// Initial temperature from which temperatures are probably in kelvin, so that no body starts at 0.
+const LEAST_KELVIN: f64 = 250.0;
 /// Largest constant C of the Johnson-Cook law; published fits of metals have 0.001 to 0.1.
 const LARGEST_RATE_CONSTANT: f64 = 0.2;
 /// Usual range of specific heat times one kelvin over the squared wave speed: polymers 7e-4, steel 2e-5, tungsten 7e-6.
@@ -59,11 +61,12 @@ pub fn check_values(model: &Model, report: &mut Report) {
     check_missing_temperatures(model, report);
 }
 
-/// Warns of thermal elements without an initial temperature, while others have one above 0.
+/// Warns of thermal elements without an initial temperature, while others have one that is probably in kelvin.
 fn check_missing_temperatures(model: &Model, report: &mut Report) {
     let conditions = || model.initial_conditions.iter().filter(|c| c.kind.temperature().is_some());
-    let Some(first) =
-        conditions().find(|c| c.kind.temperature() != Some(0.0)).filter(|_| model.solves_for_temperatures())
+    let Some(first) = conditions()
+        .find(|c| c.kind.temperature().is_some_and(|value| value >= LEAST_KELVIN))
+        .filter(|_| model.solves_for_temperatures())
     else {
         return;
     };
