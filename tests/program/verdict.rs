@@ -147,7 +147,7 @@ const WRONG: &[Case] = &[
     wrong("porous_piston", &[("1.34, 2.", "0.134, 2.")], &["n=50"], "P140"),
     // Loads: a velocity of another unit, an amplitude in other units of time.
     wrong("taylor_copper", &[], &["nr=6", "nz=30", "speed=2e-4"], "R329"),
-    wrong("soil_blast", &[], &["h=0.1", "rise=10", "decay=40"], "P156"),
+    wrong("soil_blast", &[("<decay>, 0., 1., 0.", "<decay>, 0.")], &["h=0.1", "rise=10", "decay=40"], "P156"),
     // The element size of a mesh is not known to be too large, but no uncertainty is known.
     wrong("taylor_copper", &[], &["nr=2", "nz=8"], "R323"),
 ];

@@ -1,6 +1,6 @@
 //! Checks of amplitudes: times in other units than those of the steps.
 
-use super::values::warn_about;
+use super::finding::warn_about;
 use crate::model::{Amplitude, AmplitudeDefinition, AmplitudeId, Model};
 use crate::plan::Report;
 

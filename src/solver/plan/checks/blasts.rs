@@ -1,6 +1,6 @@
 //! Checks of blast waves: a surface that faces away from its charge.
 
-use super::values::warn_about;
+use super::finding::warn_about;
 use crate::model::{ElementSide, LoadKind, Model};
 use crate::plan::Report;
 

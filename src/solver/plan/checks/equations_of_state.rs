@@ -1,7 +1,7 @@
 //! Checks of the constants of equations of state: Hugoniots against measured ones, gases against kinetic theory, explosives
 //! against the condition of Chapman and Jouguet.
 
-use super::values::{Finding, warn_about};
+use super::finding::{Finding, warn_about};
 use crate::model::{EosKind, MaterialDefinition, Model};
 use crate::plan::Report;
 

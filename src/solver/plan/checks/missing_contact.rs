@@ -3,8 +3,8 @@
 
 use std::collections::HashSet;
 
+use super::finding::warn_about;
 use super::overlaps::{contacts_of, elements_of, solid_parts};
-use super::values::warn_about;
 use crate::deck::Diagnostic;
 use crate::model::{ElementSide, Model};
 use crate::plan::meshes::pieces::exterior_faces_of;

@@ -4,6 +4,7 @@ pub mod amplitudes;
 pub mod blasts;
 pub mod contact_pairs;
 pub mod equations_of_state;
+pub mod finding;
 pub mod missing_contact;
 pub mod overlaps;
 pub mod plausibility;

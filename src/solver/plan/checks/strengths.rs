@@ -1,8 +1,8 @@
 //! Checks of strength and failure: percent instead of strains, engineering stress, radians instead of degrees, rubber that is
 //! too compressible, failure that no element can reach, temperatures on two scales, friction.
 
+use super::finding::{Finding, warn_about};
 use super::unit_systems::ROOM_IN_KELVIN;
-use super::values::{Finding, warn_about};
 use crate::model::{
     DamageEvolution, EosKind, HourglassMethod, MaterialDefinition, Model, PlasticityModel, RateDependence,
     StrainAtFailure,

@@ -4,9 +4,9 @@
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
+use super::finding::warn_about;
 use super::plausibility::{InitialVelocity, initial_velocities};
 use super::strengths::{LARGEST_FRICTION, report_friction};
-use super::values::warn_about;
 use crate::model::{
     DeckUnits, LoadKind, MaterialDefinition, Model, RigidBody, SYSTEMS, TargetStack, UnitSystem, is_without_units,
 };

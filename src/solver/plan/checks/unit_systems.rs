@@ -1,6 +1,6 @@
 //! Checks of the unit system of a deck: all its materials, known metals and gravity must be plausible in one system.
 
-use super::values::warn_about;
+use super::finding::warn_about;
 use crate::model::{
     DeckUnits, EosKind, LoadKind, MaterialDefinition, Model, PlasticityModel, SYSTEMS, UnitSystem, is_without_units,
 };

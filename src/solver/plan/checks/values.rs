@@ -3,13 +3,14 @@
 
 use std::collections::HashSet;
 
-use crate::deck::{Diagnostic, Span};
+use crate::deck::Diagnostic;
 use crate::model::{
     InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, SolidSection,
     StrainAtFailure, is_without_units,
 };
 use crate::plan::Report;
 use crate::plan::checks::equations_of_state::check_equation_of_state;
+use crate::plan::checks::finding::{Finding, warn_about};
 use crate::plan::checks::plausibility::side_lengths;
 use crate::plan::checks::strengths::check_strength;
 
@@ -30,13 +31,6 @@ const LARGEST_VISCOSITY: [f64; 2] = [0.5, 10.0];
 const LARGEST_MASS_FACTOR: f64 = 1e4;
 /// Ratio of the longest edge of an element to its shortest, or to the median of all elements, above which a wrong coordinate is assumed.
 const LARGEST_ELONGATION: f64 = 300.0;
-
-/// An implausible value.
-pub struct Finding {
-    pub code: &'static str,
-    pub message: String,
-    pub help: &'static str,
-}
 
 /// Warns of implausible materials, controls and elements of deformable bodies.
 pub fn check_values(model: &Model, report: &mut Report) {
@@ -120,10 +114,6 @@ fn check_fixed_velocities(model: &Model, report: &mut Report) {
         let finding = Diagnostic::warning("P145", message).at(boundary.span, "fixes all these nodes");
         report.push(finding.at(condition.span, "their initial velocity").help(help));
     }
-}
-
-pub fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report) {
-    report.push(Diagnostic::warning(code, message).at(span, label).help(help));
 }
 
 /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
