@@ -122,6 +122,32 @@ const WRONG: &[Case] = &[
         &["length=47", "nz=39", "nr=2"],
         "R302",
     ),
+    // Contact: no pair at all, and a press that moves away. Method: a tuned hourglass factor, friction.
+    wrong("punch_rubber", &[("*Contact Pair, interaction=DRY\n PAD, PUNCH\n PAD,\n", "")], &["nr=8", "nz=4"], "P151"),
+    wrong("tube_crush", &[("v = -speed", "v = speed")], &["nr=2", "nz=30", "time=4.e-4"], "R328"),
+    wrong("tube_crush", &[], &["nr=2", "nz=30", "time=4.e-4", "mu=3"], "P143"),
+    wrong(
+        "taylor_copper",
+        &[
+            ("material=COPPER", "material=COPPER, controls=STIFF"),
+            ("*Material, name", "*Section Controls, name=STIFF, hourglass=STIFFNESS\n 30.,\n*Material, name"),
+        ],
+        &["nr=6", "nz=30"],
+        "P143",
+    ),
+    // Constants: modulus of another metal, engineering stress, strains in percent, slope of a Hugoniot.
+    wrong("taylor_copper", &[("117.e9", "11.7e9")], &["nr=6", "nz=30"], "P140"),
+    wrong("taylor_copper", &[("600.e6, 2.\n 900.e6, 5.", "480.e6, 2.\n 400.e6, 5.")], &["nr=6", "nz=30"], "P140"),
+    wrong(
+        "taylor_copper",
+        &[("500.e6, 1.", "410.e6, 10."), ("6, 2.", "6, 20."), ("6, 5.", "6, 50.")],
+        &["nr=6", "nz=30"],
+        "P140",
+    ),
+    wrong("porous_piston", &[("1.34, 2.", "0.134, 2.")], &["n=50"], "P140"),
+    // Loads: a velocity of another unit, an amplitude in other units of time.
+    wrong("taylor_copper", &[], &["nr=6", "nz=30", "speed=2e-4"], "R329"),
+    wrong("soil_blast", &[("<decay>, 0., 1., 0.", "<decay>, 0.")], &["h=0.1", "rise=10", "decay=40"], "P156"),
     // The element size of a mesh is not known to be too large, but no uncertainty is known.
     wrong("taylor_copper", &[], &["nr=2", "nz=8"], "R323"),
 ];
@@ -283,6 +309,9 @@ fn wrong_rigid_shots_are_not_ok() {
         (right("ogive", &["mass=21"]), "P140"),
         (right("ogive", &["V=569e3"]), "P105"),
         (right("ogive", &["front=-5"]), "R326"),
+        (right("ogive", &["V=4000"]), "P155"),
+        (Case { changes: &[("z1 = -V", "z1 = V")], ..right("ogive", &[]) }, "P155"),
+        (Case { changes: &[("NOSE, SNEG", "NOSE, SPOS")], ..right("ogive", &[]) }, "R326"),
     ];
     for (shot, code) in shots {
         let (verdict, codes) = judge(&shot, folder.path());
@@ -290,4 +319,64 @@ fn wrong_rigid_shots_are_not_ok() {
     }
     let short = Case { changes: &[(" , 1.e-3", " , 2.e-5")], ..right("ogive", &[]) };
     assert_eq!(judge(&short, folder.path()), ("unverified".to_owned(), vec!["R315".to_owned()]));
+}
+
+/// Two blocks of elements, the second one on the first one, with the nodes 5 and 6 at the places of 4 and 3.
+const BLOCKS: &str = "*Node
+ 1, 0., 0.\n 2, 0.01, 0.\n 3, 0.01, 0.01\n 4, 0., 0.01\n 5, 0., 0.01\n 6, 0.01, 0.01\n 7, 0.01, 0.02\n 8, 0., 0.02
+*Node, nset=CHARGE\n 9, 0., 0.5
+*Element, type=CAX4R, elset=LOWER\n 1, 1, 2, 3, 4
+*Element, type=CAX4R, elset=UPPER\n 2, UPPERNODES, 7, 8
+*Solid Section, elset=LOWER, material=STEEL
+*Solid Section, elset=UPPER, material=STEEL
+*Material, name=STEEL\n*Density\n 7850.,\n*Elastic\n 2.1e11, 0.3
+*Surface, name=FACE\n UPPER, SIDE
+*Incident Wave Interaction Property, name=BLAST, type=AIR BLAST\n*Conwep Charge Property\n 1., 1.
+*Step\n*Dynamic, Explicit\n , 1.e-5
+*Incident Wave Interaction, property=BLAST, conwep\n FACE, CHARGE, 0.
+*End Step
+";
+
+/// Faces at the same place need common nodes, and a blast hits the faces towards its charge.
+#[test]
+fn unjoined_faces_and_blasts_from_behind_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = folder.path().join("blocks.inp");
+    let check = |nodes: &str, side: &str| {
+        std::fs::write(&deck, BLOCKS.replace("UPPERNODES", nodes).replace("SIDE", side)).expect("a deck");
+        String::from_utf8_lossy(&revolve(&["check", &deck.display().to_string()]).stderr).into_owned()
+    };
+    let joined = check("4, 3", "S3");
+    assert!(!joined.contains("P152") && !joined.contains("P154"), "{joined}");
+    let unjoined = check("5, 6", "S3");
+    assert!(unjoined.contains("P152") && !unjoined.contains("P154"), "{unjoined}");
+    let behind = check("4, 3", "S1");
+    assert!(behind.contains("P154"), "{behind}");
+}
+
+/// A cylinder of TNT. The detonation starts within the step, and the constants give the speed on the card.
+const EXPLOSIVE: &str = "*Node\n 1, 0., 0.\n 2, 0.01, 0.\n 3, 0.01, 0.01\n 4, 0., 0.01
+*Element, type=CAX4R, elset=TNT\n 1, 1, 2, 3, 4
+*Solid Section, elset=TNT, material=TNT
+*Material, name=TNT\n*Density\n 1630.,\n*Eos, type=JWL\n 6930., 371.2e9, 3.231e9, 0.3, 4.15, 0.95, 4.29e6
+*Detonation Point\n 0., 0., 0., 0.
+*Step\n*Dynamic, Explicit\n , 1.e-6\n*End Step
+";
+
+#[test]
+fn explosives_that_cannot_detonate_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = folder.path().join("tnt.inp");
+    let check = |from: &str, to: &str| {
+        assert!(EXPLOSIVE.contains(from), "{from}");
+        std::fs::write(&deck, EXPLOSIVE.replace(from, to)).expect("a deck");
+        String::from_utf8_lossy(&revolve(&["check", &deck.display().to_string()]).stderr).into_owned()
+    };
+    let right = check("TNT", "TNT");
+    assert!(!right.contains("P153") && !right.contains("P140"), "{right}");
+    assert!(check("0., 0., 0., 0.", "0., 0., 0., 1.").contains("P153"));
+    for (from, to) in [("0.3, 4.15", "3., 4.15"), ("4.15, 0.95", "0.95, 4.15"), ("371.2e9, 3.231e9", "371.2, 3.231")] {
+        let found = check(from, to);
+        assert!(found.contains("P140"), "{to}: {found}");
+    }
 }

@@ -187,7 +187,9 @@ impl OverlapMonitor {
         let ([low, high], face_points) = (boxes[within], &places[within]);
         let faces = &outlines[within].faces;
         let ends = |face: u32| faces[face as usize].inline_map(|p| face_points[p as usize]);
-        let mut points = places[of].iter().filter(|p| (0..2).all(|i| low[i] < p[i] && p[i] < high[i])).peekable();
+        let is_above = |p: &[f64; 2], i: usize| low[i] < p[i] || i == 0 && p[0] == 0.0;
+        let is_in_box = |p: &&[f64; 2]| (0..2).all(|i| is_above(p, i) && p[i] < high[i]);
+        let mut points = places[of].iter().filter(is_in_box).peekable();
         if faces.is_empty() || points.peek().is_none() {
             return None;
         }

@@ -63,6 +63,10 @@ pub struct Plan {
     pub renewals: Vec<MeshRenewal>,
     /// Ranges in which the constants of materials hold.
     pub ranges: Vec<PlannedRange>,
+    /// Contact pairs of two surfaces, by their names; without self-contact and general contact.
+    pub contact_pairs: Vec<String>,
+    /// Element groups of plastic materials, with the initial yield stress of each.
+    pub yield_stresses: Vec<(usize, f64)>,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
     pub expects_dissipation: bool,
 }

@@ -19,6 +19,7 @@ mod masses;
 mod merging;
 mod mesh_patch;
 mod mesh_quality;
+mod missing_action;
 mod new_mesh_state;
 mod observe;
 mod onset;

@@ -16,9 +16,14 @@ impl Outcome {
     /// Reports the outcomes of bodies in targets at the end of the run.
     pub(super) fn report_penetrations(&mut self, run: &RunState<'_>) {
         let in_force = run.state.loads.iter().flat_map(|load| load.penetrations(&run.state.dofs)).collect();
-        for PenetrationRecord { body, outcome, in_space } in
-            latest_penetrations(&run.state.ended_penetrations, in_force)
-        {
+        let records = latest_penetrations(&run.state.ended_penetrations, in_force);
+        let has_met = !records.is_empty() && records.iter().all(|p| p.outcome != PenetrationOutcome::NotMet);
+        if has_met && run.energy().cavity == 0.0 && self.halt.is_none() {
+            let text = "no resistance of a target has acted, although a body has passed through it: the loaded faces point \
+                        backwards, or the target has no strength. Check the side of the surface (SPOS or SNEG)";
+            self.warn("R326", text.to_owned());
+        }
+        for PenetrationRecord { body, outcome, in_space } in records {
             let speed = in_space.map_or(run.state.dofs.bodies[body].velocity.abs(), |motion| motion.speed);
             self.impacts.push(ImpactEnd { body, outcome, speed });
             let name = run.plan.bodies[body].name.clone();

@@ -5,6 +5,7 @@ use super::collapse::{CollapseMonitor, name_remedies};
 use super::contact_losses::name_absorbed_energy;
 use super::energy::{ADVECTION, ARTIFICIAL, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
 use super::masses::warning_of_added_mass;
+use super::missing_action::largest_utilization;
 use super::outcome::Outcome;
 use super::ranges::RangeMonitor;
 use super::run_state::RunState;
@@ -117,6 +118,8 @@ pub(super) struct RunMonitor {
     pub(super) collapse: CollapseMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
+    /// Largest von Mises stress so far, relative to the initial yield stress of the material.
+    pub(super) utilization: f64,
     /// Shares of materials beyond the range of their constants.
     ranges: RangeMonitor,
     /// Number of warnings that the sink has received.
@@ -225,6 +228,7 @@ impl RunReport {
             self.warn_of_sections(run, false);
             run.masses.record_kinetic(run.balance.kinetic_of_solid(), &run.state);
             self.watch_pace(run);
+            self.watch.utilization = largest_utilization(run, self.watch.utilization);
             if let Some(warning) = self.watch.collapse.check(run) {
                 self.outcome.warn("R307", warning);
             }
@@ -419,6 +423,7 @@ impl RunReport {
         if let Some(warning) = warning_of_added_mass(run) {
             self.outcome.warn("R316", warning);
         }
+        self.warn_of_missing_action(run);
         self.watch.ranges.finish(run, &mut self.outcome);
         warn_of_volumes(run.plan, &mut run.state, &mut self.outcome);
         let values = [run.balance.drift(), run.balance.artificial_share(SMALL)];

@@ -1,9 +1,16 @@
 //! Checks that judge a complete plan, and warn of input that is probably a mistake.
 
+pub mod amplitudes;
+pub mod blasts;
 pub mod contact_pairs;
+pub mod equations_of_state;
+pub mod finding;
+pub mod missing_contact;
 pub mod overlaps;
 pub mod plausibility;
+pub mod strengths;
 pub mod targets;
+pub mod unit_systems;
 pub mod values;
 
 use crate::deck::Diagnostic;
@@ -14,6 +21,8 @@ use crate::plan::{Links, Pairs, Report, Scene, State};
 pub fn check_plan(scene: Scene, links: &Links, pairs: &Pairs, state: &State, report: &mut Report) {
     check_complete(scene.model, !state.dofs.nodes.is_empty(), report);
     overlaps::report_overlaps(scene, links, pairs, report);
+    missing_contact::check_missing_contact(scene, report);
+    missing_contact::check_unjoined_faces(scene, links, pairs, report);
     for inert in &scene.model.origin.inert {
         report.add_unused_card(inert.span, format!("*{}", inert.keyword), inert.why.clone());
     }

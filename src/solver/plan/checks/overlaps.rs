@@ -22,8 +22,8 @@ use crate::plan::{Bodies, Links, Pairs, Report, Scene, State, StepInput};
 const FIT: f64 = 0.05;
 
 /// Connected elements with their bounding box.
-struct ConnectedPart {
-    elements: Vec<usize>,
+pub(super) struct ConnectedPart {
+    pub(super) elements: Vec<usize>,
     low: [f64; 2],
     high: [f64; 2],
 }
@@ -34,7 +34,8 @@ impl ConnectedPart {
     }
 
     fn holds(&self, p: [f64; 2]) -> bool {
-        (0..2).all(|i| self.low[i] < p[i] && p[i] < self.high[i])
+        let is_above = |i: usize| self.low[i] < p[i] || i == 0 && p[0] == 0.0;
+        (0..2).all(|i| is_above(i) && p[i] < self.high[i])
     }
 }
 
@@ -84,7 +85,7 @@ fn is_spatial(bodies: &Bodies, element: usize) -> bool {
 }
 
 /// Returns the connected parts of solid elements, in the order of their first elements.
-fn solid_parts(scene: Scene) -> Vec<ConnectedPart> {
+pub(super) fn solid_parts(scene: Scene) -> Vec<ConnectedPart> {
     connected_parts(scene, ElementKind::is_solid)
 }
 
@@ -116,7 +117,7 @@ pub fn overlapping_bodies(input: StepInput, report: &mut Report) -> Option<Box<d
 }
 
 /// Returns the contact pairs of all steps, by the parts on their sides, and the tied parts.
-fn contacts_of(model: &Model, links: &Links, pairs: &Pairs, parts: &[ConnectedPart]) -> ContactsOfBodies {
+pub(super) fn contacts_of(model: &Model, links: &Links, pairs: &Pairs, parts: &[ConnectedPart]) -> ContactsOfBodies {
     let part_of = part_of_elements(&model.mesh, elements_of(parts));
     let of_sides = [(); 2].map(|()| vec![Vec::new(); parts.len()]);
     let mut contacts = ContactsOfBodies { pairs: of_sides, tied: tied_parts(model, links, &part_of) };
@@ -171,7 +172,10 @@ fn body_outline(scene: Scene, piece: &ConnectedPart, outside: &[(usize, ElementS
         })
     };
     for ends in outside.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side)) {
-        faces.push(ends.map(&mut add));
+        // The axis is not a surface of a body.
+        if ends.iter().any(|&n| mesh.points[n][0] != 0.0) {
+            faces.push(ends.map(&mut add));
+        }
     }
     if !mesh.elements[piece.elements[0]].kind.is_solid() {
         piece.elements.iter().flat_map(|&e| &mesh.elements[e].nodes).for_each(|&n| {
@@ -212,7 +216,9 @@ fn nodes_inside(
         return (0, 0.0);
     }
     let ends = faces.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side));
-    let skin: Vec<[[f64; 2]; 2]> = ends.map(|edge| edge.map(|n| mesh.points[n])).collect();
+    // The axis is not a surface of a body.
+    let skin = ends.map(|edge| edge.map(|n| mesh.points[n])).filter(|edge| edge.iter().any(|point| point[0] != 0.0));
+    let skin: Vec<[[f64; 2]; 2]> = skin.collect();
     let (mut count, mut deepest) = (0, 0.0_f64);
     for n in nodes {
         let p = mesh.points[n];
@@ -232,7 +238,7 @@ fn nodes_inside(
     (count, deepest)
 }
 
-fn elements_of(parts: &[ConnectedPart]) -> impl Iterator<Item = &[usize]> + Clone {
+pub(super) fn elements_of(parts: &[ConnectedPart]) -> impl Iterator<Item = &[usize]> + Clone {
     parts.iter().map(|part| &part.elements[..])
 }
 

@@ -8,7 +8,12 @@ use crate::model::{
     DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, SYSTEMS,
     SolidSection, Step, UnitSystem, is_without_units,
 };
-use crate::plan::checks::targets::check_targets;
+use crate::plan::checks::amplitudes::check_amplitudes;
+use crate::plan::checks::blasts::check_blasts;
+use crate::plan::checks::equations_of_state::check_detonation_times;
+use crate::plan::checks::strengths::check_methods;
+use crate::plan::checks::targets::{check_shots, check_targets};
+use crate::plan::checks::unit_systems::check_unit_systems;
 use crate::plan::checks::values::check_values;
 use crate::plan::{Report, Scene, State};
 use crate::platform::PortableMath as _;
@@ -41,11 +46,19 @@ pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) ->
 
 pub fn check_plausibility(scene: Scene, state: &State, report: &mut Report) {
     check_targets(scene, report);
+    check_shots(scene, report);
+    check_blasts(scene.model, report);
+    check_amplitudes(scene.model, report);
     if state.elements.is_empty() {
-        check_increments_of_springs(scene.model, state.elements.stable_increment(), report);
+        let stable = state.elements.stable_increment();
+        check_increments_of_springs(scene.model, stable, report);
+        check_period_of_springs(scene.model, stable, report);
         return;
     }
     check_units(scene.model, report);
+    check_unit_systems(scene.model, report);
+    check_detonation_times(scene.model, report);
+    check_methods(scene.model, report);
     check_values(scene.model, report);
     check_initial_speed(scene.model, report);
     if let Some((time, element)) = shortest_wave_transit(scene.model) {
@@ -74,7 +87,7 @@ fn check_units(model: &Model, report: &mut Report) {
 /// An initial velocity along a degree of freedom.
 pub struct InitialVelocity<'m> {
     pub condition: &'m InitialCondition,
-    dof: u8,
+    pub dof: u8,
     pub value: f64,
 }
 
@@ -146,6 +159,23 @@ fn check_given_increments(model: &Model, time: f64, element: &Element, report: &
 fn check_increments_of_springs(model: &Model, stable: f64, report: &mut Report) {
     let reason = format!("the stable time increment of the springs and dashpots is {stable:.4e}");
     warn_of_long_increment(model, stable, reason, report);
+}
+
+/// Warns if a model of springs without elements runs for less than a quarter of its shortest period, π/2 of the stable time
+/// increment over 2.
+fn check_period_of_springs(model: &Model, stable: f64, report: &mut Report) {
+    let quarter = 0.25 * std::f64::consts::PI * stable;
+    let end: f64 = model.steps.iter().map(|step| step.duration).sum();
+    let Some(step) =
+        model.steps.first().filter(|_| !model.discrete.connectors.is_empty() && quarter.is_finite() && end < quarter)
+    else {
+        return;
+    };
+    let message = format!(
+        "the analysis ends at {end:.4e}, before a quarter of the shortest natural period of the springs and masses, {quarter:.4e}"
+    );
+    let finding = Diagnostic::warning("P157", message).at(step.span, "this step");
+    report.push(finding.help("check the units of stiffness and mass, and the length of the step"));
 }
 
 /// Warns of the first fixed increment above `stable`.

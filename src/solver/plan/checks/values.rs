@@ -1,16 +1,25 @@
 //! Warnings for implausible constants of materials, missing thermal data, implausible controls and elongated elements.
 //! Each names the value and the usual range. Units and velocities are checked in `plausibility.rs`.
 
-use crate::deck::{Diagnostic, Span};
+use std::collections::HashSet;
+
+use crate::deck::Diagnostic;
 use crate::model::{
-    InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
-    is_without_units,
+    InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, SolidSection,
+    StrainAtFailure, is_without_units,
 };
 use crate::plan::Report;
+use crate::plan::checks::equations_of_state::check_equation_of_state;
+use crate::plan::checks::finding::{Finding, warn_about};
 use crate::plan::checks::plausibility::side_lengths;
+use crate::plan::checks::strengths::check_strength;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
+/// Initial temperature from which temperatures are probably in kelvin, so that no body starts at 0.
+const LEAST_KELVIN: f64 = 250.0;
+/// Largest constant C of the Johnson-Cook law; published fits of metals have 0.001 to 0.1.
+const LARGEST_RATE_CONSTANT: f64 = 0.2;
 /// Usual range of specific heat times one kelvin over the squared wave speed: polymers 7e-4, steel 2e-5, tungsten 7e-6.
 const HEAT_PER_STIFFNESS: [f64; 2] = [1e-6, 1e-2];
 /// Range of the initial yield stress over Young's modulus: soft pure metals have 1e-5, polymers 0.05, and the theoretical
@@ -23,13 +32,6 @@ const LARGEST_MASS_FACTOR: f64 = 1e4;
 /// Ratio of the longest edge of an element to its shortest, or to the median of all elements, above which a wrong coordinate is assumed.
 const LARGEST_ELONGATION: f64 = 300.0;
 
-/// An implausible value.
-struct Finding {
-    code: &'static str,
-    message: String,
-    help: &'static str,
-}
-
 /// Warns of implausible materials, controls and elements of deformable bodies.
 pub fn check_values(model: &Model, report: &mut Report) {
     let mut used: Vec<usize> = model.layer_regions().map(|region| region.0.index()).collect();
@@ -41,6 +43,8 @@ pub fn check_values(model: &Model, report: &mut Report) {
         failure(material, &mut findings);
         stiffness(material, &mut findings);
         check_temperatures(model, material, &mut findings);
+        check_strength(model, material, smallest_size(model, material), &mut findings);
+        check_equation_of_state(model, material, &mut findings);
         for Finding { code, message, help } in findings {
             warn_about(code, message, (material.span, "this material"), help, report);
         }
@@ -48,6 +52,43 @@ pub fn check_values(model: &Model, report: &mut Report) {
     check_controls(model, report);
     check_edges(model, report);
     check_fixed_velocities(model, report);
+    check_missing_temperatures(model, report);
+}
+
+/// Warns of thermal elements without an initial temperature, while others have one that is probably in kelvin.
+fn check_missing_temperatures(model: &Model, report: &mut Report) {
+    let conditions = || model.initial_conditions.iter().filter(|c| c.kind.temperature().is_some());
+    let Some(first) = conditions()
+        .find(|c| c.kind.temperature().is_some_and(|value| value >= LEAST_KELVIN))
+        .filter(|_| model.solves_for_temperatures())
+    else {
+        return;
+    };
+    let known: HashSet<usize> = conditions().flat_map(|condition| condition.members.iter().copied()).collect();
+    let is_cold = |e: &&usize| {
+        let element = &model.mesh.elements[**e];
+        element.kind.is_thermal() && element.nodes.iter().all(|node| !known.contains(node))
+    };
+    for section in &model.sections {
+        if let Some(&element) = section.elements.iter().find(is_cold) {
+            let message = format!(
+                "element {} conducts heat and has no initial temperature: it starts at 0, and other bodies at {}",
+                model.mesh.elements[element].name,
+                first.kind.temperature().unwrap_or_default()
+            );
+            let help = "give *INITIAL CONDITIONS, TYPE=TEMPERATURE for all bodies";
+            return warn_about("P141", message, (section.span, "this section"), help, report);
+        }
+    }
+}
+
+/// Returns the length of the shortest side of the solid elements of a material.
+fn smallest_size(model: &Model, material: &MaterialDefinition) -> Option<f64> {
+    let is_of = |section: &&SolidSection| {
+        model.materials.get(section.material.index()).is_some_and(|m| m.span == material.span)
+    };
+    let elements = model.sections.iter().filter(is_of).flat_map(|section| &section.elements);
+    elements.map(|&e| side_lengths(&model.mesh.elements[e], &model.mesh.points)[0]).reduce(f64::min)
 }
 
 /// Warns of an initial velocity all of whose nodes are fixed.
@@ -73,10 +114,6 @@ fn check_fixed_velocities(model: &Model, report: &mut Report) {
         let finding = Diagnostic::warning("P145", message).at(boundary.span, "fixes all these nodes");
         report.push(finding.at(condition.span, "their initial velocity").help(help));
     }
-}
-
-pub fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report) {
-    report.push(Diagnostic::warning(code, message).at(span, label).help(help));
 }
 
 /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
@@ -250,9 +287,11 @@ fn plasticity(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
         implausible(message, "yield stress and modulus need the same unit: MPa in mm, t, s and Pa in m, kg, s");
     }
     if let Some(RateDependence::JohnsonCook([c, _])) = material.rate
-        && !(0.0..=1.0).contains(&c)
+        && !(0.0..=LARGEST_RATE_CONSTANT).contains(&c)
     {
-        let message = format!("the rate constant C = {c} of `{name}` is outside 0 to 1; metals have 0.001 to 0.1");
+        let message = format!(
+            "the rate constant C = {c} of `{name}` is outside 0 to {LARGEST_RATE_CONSTANT}; metals have 0.001 to 0.1"
+        );
         implausible(message, "the order of the constants is C, reference strain rate");
     }
 }
