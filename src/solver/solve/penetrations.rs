@@ -21,7 +21,7 @@ impl Outcome {
         if has_met && run.energy().cavity == 0.0 && self.halt.is_none() {
             let text = "no resistance of a target has acted, although a body has passed through it: the loaded faces point \
                         backwards, or the target has no strength. Check the side of the surface (SPOS or SNEG)";
-            self.warn("R326", text.to_owned());
+            self.warn("R326", text);
         }
         for PenetrationRecord { body, outcome, in_space } in records {
             let speed = in_space.map_or(run.state.dofs.bodies[body].velocity.abs(), |motion| motion.speed);

@@ -142,7 +142,8 @@ fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, fin
     for criterion in &material.failures {
         let strain = match &criterion.strain {
             StrainAtFailure::Constant(strain) => Some(*strain),
-            StrainAtFailure::JohnsonCook([d1, d2, d3, ..], _) => Some(d1 + d2 * libm::exp(-d3 / 3.0)),
+            // A negative d3 has its own message.
+            StrainAtFailure::JohnsonCook([d1, d2, d3, ..], _) => (*d3 >= 0.0).then(|| d1 + d2 * libm::exp(-d3 / 3.0)),
             StrainAtFailure::Ductile(rows) | StrainAtFailure::Shear(rows) => {
                 rows.iter().map(|row| row[0]).reduce(f64::min)
             }
@@ -312,8 +313,8 @@ pub fn report_friction(friction: f64, place: (crate::deck::Span, &str), report: 
 fn check_shock_viscosity(model: &Model, report: &mut Report) {
     let is_shocked =
         |material: &&MaterialDefinition| matches!(material.eos.as_ref().map(|eos| &eos.kind), Some(EosKind::UsUp(_)));
-    let used = model.sections.iter().filter_map(|section| model.materials.get(section.material.index()));
-    let Some(material) = used.filter(is_shocked).next() else { return };
+    let mut used = model.sections.iter().filter_map(|section| model.materials.get(section.material.index()));
+    let Some(material) = used.find(is_shocked) else { return };
     let missing = |linear: f64, quadratic: f64| match [linear == 0.0, quadratic == 0.0] {
         [true, true] => Some("no"),
         [true, false] => Some("no linear"),
