@@ -44,7 +44,7 @@ impl UserLoad for ConstantPressure {
 }
 
 /// Allocations of a warning at the end of a run: its text and its place in the list.
-const OF_A_WARNING: u64 = 10;
+const OF_A_WARNING: u64 = 12;
 
 /// Returns the increments of a run and the number of its allocations.
 fn allocations(deck: &str) -> (u64, u64) {

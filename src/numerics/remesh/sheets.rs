@@ -33,12 +33,7 @@ pub fn thin_elements(
     }
     let is_needed = |e: usize| mesh.quads[e].iter().any(|n| needed(*n));
     let mut thin: Vec<bool> = (0..mesh.quads.len()).map(|e| is_loose(e) && !is_needed(e)).collect();
-    let (on_axis, off_axis) = boundary_edges(&mesh.quads)
-        .into_iter()
-        .partition(|edge| edge.ends.iter().all(|n| mesh.points[*n as usize][0] <= 0.0));
-    // A sheet that the axis crosses is pierced where its whole thickness there is below the limit.
-    let pierced = edges_of_runs(mesh, on_axis, |length| length < fraction);
-    for edge in thin_edges(mesh, off_axis, fraction).into_iter().chain(pierced) {
+    for edge in thin_edges(mesh, fraction) {
         thin[edge.side.0 as usize] |= !is_needed(edge.side.0 as usize);
     }
     if !thin.contains(&true) {
@@ -54,10 +49,12 @@ pub fn thin_elements(
     None
 }
 
-/// Returns the edges of the outline off the axis that face another part of the outline, through the body, within the limit of thickness, in
+/// Returns the edges of the outline that face another part of the outline, through the body, within the limit of thickness, in
 /// runs that are long enough.
-fn thin_edges(mesh: &BodyMesh, edges: Vec<BoundaryEdge>, fraction: f64) -> Vec<BoundaryEdge> {
+fn thin_edges(mesh: &BodyMesh, fraction: f64) -> Vec<BoundaryEdge> {
     let place = |n: u32| mesh.points[n as usize];
+    let on_axis = |edge: &BoundaryEdge| edge.ends.iter().all(|n| place(*n)[0] <= 0.0);
+    let edges: Vec<BoundaryEdge> = boundary_edges(&mesh.quads).into_iter().filter(|edge| !on_axis(edge)).collect();
     let ends: Vec<[[f64; 2]; 2]> = edges.iter().map(|edge| edge.ends.inline_map(place)).collect();
     let boxes = BoxGrid::new(ends.iter().map(|ends| bounding_box(*ends)).zip(0..));
     let is_thin = |at: usize| {
@@ -75,22 +72,18 @@ fn thin_edges(mesh: &BodyMesh, edges: Vec<BoundaryEdge>, fraction: f64) -> Vec<B
         meets
     };
     let thin: Vec<bool> = (0..edges.len()).map(is_thin).collect();
-    let members = edges.into_iter().zip(thin).filter(|(_, thin)| *thin).map(|(edge, _)| edge).collect();
-    edges_of_runs(mesh, members, |length| length >= SHORTEST)
-}
-
-/// Returns the edges in runs, connected by common nodes, whose length in units of the wanted edge is as it should be.
-fn edges_of_runs(mesh: &BodyMesh, members: Vec<BoundaryEdge>, is_chosen: impl Fn(f64) -> bool) -> Vec<BoundaryEdge> {
-    let place = |n: u32| mesh.points[n as usize];
+    // Runs of thin edges are connected by common nodes.
     let mut runs = DisjointSets::new(mesh.points.len());
+    let members: Vec<BoundaryEdge> =
+        edges.into_iter().zip(thin).filter(|(_, thin)| *thin).map(|(edge, _)| edge).collect();
     members.iter().for_each(|edge| runs.unite(edge.ends[0] as usize, edge.ends[1] as usize));
     let mut lengths = vec![0.0; mesh.points.len()];
     for edge in &members {
         let [a, b] = edge.ends.inline_map(place);
         lengths[runs.representative(edge.ends[0] as usize)] += distance(a, b) / mesh.sizes[edge.side.0 as usize];
     }
-    let mut is_in_run = |edge: &BoundaryEdge| is_chosen(lengths[runs.representative(edge.ends[0] as usize)]);
-    members.into_iter().filter(|edge| is_in_run(edge)).collect()
+    let mut is_long = |edge: &BoundaryEdge| lengths[runs.representative(edge.ends[0] as usize)] >= SHORTEST;
+    members.into_iter().filter(|edge| is_long(edge)).collect()
 }
 
 /// Returns the middle of an edge and the direction into the body, which is on its left.
@@ -181,27 +174,6 @@ mod tests {
         // An element with a needed node stays, the others of the web are left out.
         let last = blocks(0.05).quads[35][2];
         assert!(thin_elements(&blocks(0.05), 0.1, |_| false, |n| n == last).is_some_and(|thin| !thin[35] && thin[34]));
-    }
-
-    /// A plate whose two rows of elements have become thin at the axis is pierced; one with a thin row is not.
-    #[test]
-    fn a_plate_that_is_thin_at_the_axis_is_pierced() {
-        let plate = |heights: [f64; 2]| {
-            let mut mesh = BodyMesh::default();
-            for i in 0..=6 {
-                let [low, high] = if i == 0 { heights } else { [1.0, 1.0] };
-                mesh.points.extend([0.0, low, low + high].map(|z| [f64::from(i), z]));
-            }
-            for i in 0..6 {
-                let a = 3 * i;
-                mesh.quads.extend([[a, a + 3, a + 4, a + 1], [a + 1, a + 4, a + 5, a + 2]]);
-            }
-            mesh.sizes = vec![1.0; 12];
-            mesh
-        };
-        let thin = thin_elements(&plate([0.03, 0.04]), 0.1, |_| false, |_| false).expect("a hole");
-        assert!((0..12).all(|e| thin[e] == (e < 2)), "{thin:?}");
-        assert_eq!(thin_elements(&plate([0.03, 0.4]), 0.1, |_| false, |_| false), None);
     }
 
     /// The tip of a wedge has no thickness, but is no sheet.

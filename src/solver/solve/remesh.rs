@@ -352,26 +352,24 @@ fn body_revision(
         BodyMesh { points: Vec::clone(&points), quads, sizes }
     };
     let (kept, old) = (of_model.kept(model), of_living(&living));
-    let mut is_required = vec![false; planned.nodes.len()];
-    required_nodes(model).filter_map(|n| of_model.position(n)).for_each(|index| is_required[index as usize] = true);
-    // Ends of sets and surfaces at the axis leave it where the body is pierced.
-    let is_needed = |n: u32| kept[n as usize] && (is_required[n as usize] || points[n as usize][0] > 0.0);
     let loose = loose_elements(&run.state.elements, planned.group, &old, |i| planned.elements[living[i]] as usize);
-    let (living, left_out, old) = match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], is_needed) {
-        Some(thin) => {
-            let with = |is_thin: bool| {
-                let pairs = living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin);
-                pairs.map(|(i, _)| *i).collect::<Vec<usize>>()
-            };
-            let rest = with(false);
-            let old = of_living(&rest);
-            (rest, with(true), old)
-        }
-        None => (living, Vec::new(), old),
-    };
+    let (living, left_out, old) =
+        match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], |n| kept[n as usize]) {
+            Some(thin) => {
+                let with = |is_thin: bool| {
+                    let pairs = living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin);
+                    pairs.map(|(i, _)| *i).collect::<Vec<usize>>()
+                };
+                let rest = with(false);
+                let old = of_living(&rest);
+                (rest, with(true), old)
+            }
+            None => (living, Vec::new(), old),
+        };
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
-    if is_required.iter().zip(&used).any(|(is_required, used)| *is_required && !used) {
+    let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
+    if required_nodes(model).any(is_lost) {
         return None;
     }
     let strain = |i: usize| {

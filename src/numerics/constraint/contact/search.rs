@@ -177,12 +177,12 @@ impl ContactSearch {
             facets.end_one();
         }
         let is_apart = |curve: &FacetCurve, facet: u32, point| !has_point(&curve.facets[facet as usize], point);
-        let near = (&*sorted, places, margin);
+        let near = NearFacets { sorted, places, margin };
         list_points(orphans, (own, own.orphans.iter().copied()), near, |facet, point| is_apart(against, facet, point));
         if let Some(other) = other.filter(|o| o.single_points().next().is_some()) {
             sorted.sort(boxes_of(own));
             let points = other.single_points().map(|point| point.0);
-            let near = (&*sorted, places, margin);
+            let near = NearFacets { sorted, places, margin };
             list_points(others, (other, points), near, |facet, point| is_apart(own, facet, point));
         }
     }
@@ -255,10 +255,18 @@ fn boxes_of(curve: &FacetCurve) -> impl Iterator<Item = (BoundingBox, u32)> + '_
     curve.exposed.iter().map(|&j| (curve.shapes[j as usize].bounds(), j))
 }
 
+/// Boxes of facets, places of the points of surfaces, and the distance within which facets are candidates.
+struct NearFacets<'a> {
+    sorted: &'a SortedBoxes,
+    places: &'a [[f64; 2]],
+    margin: f64,
+}
+
+/// Lists for each point of a curve the facets near it that are candidates (facet, point).
 fn list_points(
     lists: &mut CandidateLists,
     (of, points): (&FacetCurve, impl Iterator<Item = u32>),
-    (sorted, places, margin): (&SortedBoxes, &[[f64; 2]], f64),
+    NearFacets { sorted, places, margin }: NearFacets<'_>,
     is_candidate: impl Fn(u32, u32) -> bool,
 ) {
     lists.clear();

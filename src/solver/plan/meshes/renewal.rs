@@ -18,7 +18,8 @@ pub struct MeshRenewal {
 }
 
 impl MeshRenewal {
-    /// Finds the cards for each element group. The list is empty if the model has `*REMESH`, or errors.
+    /// Finds the cards for each element group. The list is empty if the model has `*REMESH` or errors, or if all time
+    /// increments are fixed: none collapses.
     pub fn plan(
         scene: Scene,
         (links, pairs): (&Links, &Pairs),
@@ -26,7 +27,8 @@ impl MeshRenewal {
         report: &Report,
     ) -> Vec<MeshRenewal> {
         let model = scene.model;
-        if !model.remeshings.is_empty() || report.diagnostics.has_errors() {
+        let is_fixed = model.steps.iter().all(|step| step.increment.is_fixed());
+        if !model.remeshings.is_empty() || report.diagnostics.has_errors() || is_fixed {
             return Vec::new();
         }
         let neither =
