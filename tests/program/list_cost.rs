@@ -167,7 +167,7 @@ const LISTS: [DeckList; 31] = [
     ),
     DeckList::of_grid(
         "amplitudes",
-        |i| format!("*Amplitude, name=A{i}\n 0., 0., 1., 1.\n"),
+        |i| format!("*Amplitude, name=A{i}\n 0., 0., 2.e-7, 1.\n"),
         |i| format!("*Cload, amplitude=A{i}\n {i}, 2, 1.\n"),
     ),
     DeckList::of_grid(

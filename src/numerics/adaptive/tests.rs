@@ -248,7 +248,7 @@ fn corner_masses_of_concave_elements_are_positive() {
         assert!(masses.iter().all(|mass| *mass > 0.0), "{masses:?}");
         assert!((masses.iter().sum::<f64>() / 3.0 - 1.0).abs() < 1e-14, "{masses:?}");
     }
-    assert!(quad::corner_masses(with_corner(0.3, 0.25), 1.0).iter().any(|mass| *mass < 0.0));
+    assert!(quad::corner_masses(with_corner(0.2, 0.2), 1.0).iter().any(|mass| *mass < 0.0));
     for (r, z) in [(1.0, 1.0), (0.51, 0.5), (2.0, 0.01), (0.05, 3.0)] {
         let integrals = quad::corner_masses(with_corner(r, z), 1.0);
         let sum = (integrals[0] + integrals[1]) + (integrals[2] + integrals[3]);

@@ -66,9 +66,11 @@ pub fn yield_stresses(scene: Scene<'_>) -> Vec<(usize, f64)> {
             Some(PlasticityModel::Tabular(rows)) => rows.first().map_or(0.0, |row| row[0]),
             _ => 0.0,
         };
-        let places = elements.iter().filter_map(|e| scene.places.elements.get(e));
-        groups.extend(places.map(|place| (place.0, stress)).filter(|_| stress > 0.0));
-        groups.dedup();
+        for place in elements.iter().filter_map(|e| scene.places.elements.get(e)).filter(|_| stress > 0.0) {
+            if groups.last() != Some(&(place.0, stress)) {
+                groups.push((place.0, stress));
+            }
+        }
     }
     groups
 }
