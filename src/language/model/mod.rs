@@ -101,7 +101,7 @@ pub use name::EntityName;
 pub use shared::CopyOnWrite;
 pub use steps::DEFAULT_ACCURACY;
 pub use types::*;
-pub use units::{DeckUnits, SYSTEMS, UnitSystem, is_without_units};
+pub use units::{DeckUnits, SYSTEMS, UnitSystem, is_without_units, within};
 pub use vtk_file::silence_caught_panics;
 
 use crate::deck::{Deck, Diagnostics, MeshScaling};

@@ -68,6 +68,11 @@ impl UnitSystem {
         value * self.factors[0] / self.factors[2]
     }
 
+    /// Converts a stress to Pa.
+    pub fn stress(&self, value: f64) -> f64 {
+        value * self.density(1.0) * self.speed(1.0).powi(2)
+    }
+
     /// Returns whether density and modulus are plausible for a solid, based on the speed of sound.
     pub fn fits(&self, density: f64, modulus: f64) -> bool {
         let speed = self.speed((modulus / density).sqrt());
@@ -96,7 +101,8 @@ pub fn is_without_units(density: f64) -> bool {
     single && (0.01..=100.0).contains(&density)
 }
 
-fn within(value: f64, [from, to]: [f64; 2]) -> bool {
+/// Returns whether a value is in a closed range.
+pub fn within(value: f64, [from, to]: [f64; 2]) -> bool {
     (from..=to).contains(&value)
 }
 

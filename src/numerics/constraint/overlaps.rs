@@ -4,7 +4,7 @@ use super::contact::curve::PointCarrier;
 use super::{Constraint, StoredConstraint};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{Memory, sorted_pair};
-use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
+use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, is_within_body};
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
@@ -184,12 +184,10 @@ impl OverlapMonitor {
     /// of the nearest face.
     fn inside(&mut self, of: usize, within: usize) -> Option<[f64; 4]> {
         let OverlapMonitor { outlines, places, boxes, order, .. } = self;
-        let ([low, high], face_points) = (boxes[within], &places[within]);
+        let face_points = &places[within];
         let faces = &outlines[within].faces;
         let ends = |face: u32| faces[face as usize].inline_map(|p| face_points[p as usize]);
-        let is_above = |p: &[f64; 2], i: usize| low[i] < p[i] || i == 0 && p[0] == 0.0;
-        let is_in_box = |p: &&[f64; 2]| (0..2).all(|i| is_above(p, i) && p[i] < high[i]);
-        let mut points = places[of].iter().filter(is_in_box).peekable();
+        let mut points = places[of].iter().filter(|p| is_within_body(boxes[within], **p)).peekable();
         if faces.is_empty() || points.peek().is_none() {
             return None;
         }

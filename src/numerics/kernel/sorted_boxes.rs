@@ -31,6 +31,12 @@ pub fn are_apart([low, high]: BoundingBox, [l, h]: BoundingBox, margin: f64) -> 
     (0..2).any(|i| l[i] > high[i] + margin || h[i] < low[i] - margin)
 }
 
+/// Returns whether a point is within the box of a body. The axis is no side of a body, so that points on it can be within.
+#[inline]
+pub fn is_within_body([low, high]: BoundingBox, point: [f64; 2]) -> bool {
+    (low[0] < point[0] || point[0] == 0.0) && low[1] < point[1] && (0..2).all(|i| point[i] < high[i])
+}
+
 /// Boxes with an index each, sorted by their lower end along r or z: the direction in which the boxes extend farther.
 #[derive(Clone, Debug, Default, Memory)]
 pub struct SortedBoxes {

@@ -129,7 +129,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
     let corners = columns.sections.iter().flat_map(|section| &section.corners);
     state.elements.tile(corners.map(|corner| (corner.group, corner.element)));
     let ranges = solids::ranges::plan(scene, &mut report);
-    let yield_stresses = solids::ranges::yield_stresses(scene);
+    let yield_stresses = checks::expected_action::yield_stresses(scene);
     let Report { ledger, ledger_rows, diagnostics: plan_diagnostics, shared, .. } = report;
     let list = bodies.take_list(&velocities);
     diagnostics.append(plan_diagnostics);
@@ -162,22 +162,12 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         has_equation_of_state: model.has_equation_of_state(),
         has_user_stress: model.materials.iter().any(|m| m.user.material.is_some()),
         ranges,
-        contact_pairs: names_of_pairs(model),
+        contact_pairs: checks::expected_action::names_of_pairs(model),
         yield_stresses,
         expects_dissipation: expects_dissipation(model),
     };
     bytes::record_bytes(&mut plan, &state);
     Compilation { plan, state, diagnostics, bodies, shared, ledger_rows, has_contact }
-}
-
-/// Returns the names of all contact pairs of two surfaces.
-fn names_of_pairs(model: &Model) -> Vec<String> {
-    let pairs = model.steps.iter().flat_map(|step| &step.surface_contacts).filter(|pair| !pair.is_self_contact());
-    let mut names: Vec<String> =
-        pairs.map(|pair| pair.sides.each_ref().map(|side| format!("`{}`", side.name)).join(" and ")).collect();
-    names.sort_unstable();
-    names.dedup();
-    names
 }
 
 /// Returns the largest increase of a bulk or shear modulus over the tables of elastic moduli, as a fraction.

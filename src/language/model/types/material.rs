@@ -494,6 +494,18 @@ pub enum PlasticityModel {
     OverFields(Vec<Vec<f64>>),
 }
 
+impl PlasticityModel {
+    /// Returns the yield stress without plastic strain of isotropic hardening: of the first row, or A of the Johnson-Cook law;
+    /// `None` for the other laws.
+    pub fn initial_yield_stress(&self) -> Option<f64> {
+        match self {
+            PlasticityModel::JohnsonCook([stress, ..]) => Some(*stress),
+            PlasticityModel::Tabular(rows) => rows.first().map(|row| row[0]),
+            _ => None,
+        }
+    }
+}
+
 /// Strain rate dependence of the yield stress (`*RATE DEPENDENT`).
 #[derive(Clone, Debug)]
 pub enum RateDependence {

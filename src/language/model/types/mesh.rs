@@ -7,6 +7,7 @@ use crate::kernel::lists::{heap_bytes, sorted_pair};
 use crate::kernel::topology::ElementTopology;
 use crate::model::element_nodes::NodeIndices;
 use crate::model::name::EntityName;
+use crate::platform::PortableMath as _;
 
 /// Nodes and elements of the model.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +44,17 @@ impl Mesh {
     /// Returns the initial corner coordinates of the cells of an element (see [`Mesh::cells`]).
     pub fn initial_cells(&self, element: usize) -> impl Iterator<Item = [[f64; 2]; 4]> {
         self.cells(element).map(|cell| cell.map(|n| self.points[n]))
+    }
+
+    /// Returns the lengths of the shortest and of the longest side of an element; sides of zero length are left out.
+    pub fn side_lengths(&self, element: usize) -> [f64; 2] {
+        let nodes = &self.elements[element].nodes;
+        let side = |i: usize| {
+            let [a, b] = [nodes[i], nodes[(i + 1) % nodes.len()]].map(|n| self.points[n]);
+            (b[0] - a[0]).portable_hypot(b[1] - a[1])
+        };
+        let lengths = (0..nodes.len()).map(side).filter(|length| *length > 0.0);
+        lengths.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], l| [least.min(l), most.max(l)])
     }
 
     /// Returns the two nodes of an element side in counter-clockwise order; `None` if the element has no such side.

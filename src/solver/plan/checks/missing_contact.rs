@@ -6,6 +6,7 @@ use std::collections::HashSet;
 use super::finding::warn_about;
 use super::overlaps::{contacts_of, elements_of, solid_parts};
 use crate::deck::Diagnostic;
+use crate::kernel::box_grid::BoxGrid;
 use crate::model::{ElementSide, Model};
 use crate::plan::meshes::pieces::exterior_faces_of;
 use crate::plan::{Links, Pairs, Report, Scene};
@@ -48,17 +49,22 @@ pub fn check_unjoined_faces(scene: Scene, links: &Links, pairs: &Pairs, report: 
         edges.extend(edges_of(model, part, faces).filter(|edge| edge.nodes.iter().all(|n| !linked.contains(n))));
     }
     edges.sort_unstable_by(|a, b| a.middle[1].total_cmp(&b.middle[1]));
+    let grid = BoxGrid::new(edges.iter().map(|edge| [edge.middle; 2]).zip(0..));
     let contacts = contacts_of(model, links, pairs, &parts);
     let are_joined =
         |a: usize, b: usize| contacts.connect([a.min(b), a.max(b)]) || contacts.are_tied([a.min(b), a.max(b)]);
-    for (index, edge) in edges.iter().enumerate() {
-        let reach = edge.middle[1] + SAME_PLACE * edge.length;
-        let mut near = edges[index + 1..].iter().take_while(|other| other.middle[1] <= reach);
-        let is_unjoined = |other: &&Edge| {
+    for (edge, index) in edges.iter().zip(0..) {
+        let is_unjoined = |other: &Edge| {
             other.part != edge.part && edge.coincides(other, model) && !are_joined(edge.part, other.part)
         };
-        if let Some(other) = near.find(is_unjoined) {
-            return report_unjoined(model, [edge, other], report);
+        let mut found: Option<u32> = None;
+        grid.near([edge.middle; 2], SAME_PLACE * edge.length, |other| {
+            if other > index && found.is_none_or(|first| other < first) && is_unjoined(&edges[other as usize]) {
+                found = Some(other);
+            }
+        });
+        if let Some(other) = found {
+            return report_unjoined(model, [edge, &edges[other as usize]], report);
         }
     }
 }
@@ -85,7 +91,7 @@ struct Edge {
 }
 
 impl Edge {
-    /// Returns whether both ends are at the places of those of another face, in the opposite order.
+    /// Returns whether both ends are at the places of the ends of another face, in the opposite order.
     fn coincides(&self, other: &Edge, model: &Model) -> bool {
         let [[a, b], [c, d]] = [self.nodes, other.nodes].map(|nodes| nodes.map(|n| model.mesh.points[n]));
         let is_near = |p: [f64; 2], q: [f64; 2]| libm::hypot(p[0] - q[0], p[1] - q[1]) <= SAME_PLACE * self.length;

@@ -10,7 +10,7 @@ use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::overlaps::{BodyOutline, ContactsOfBodies, OverlapMonitor, distance};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::{sorted_pair, sorted_unique};
-use crate::kernel::sorted_boxes::SortedBoxes;
+use crate::kernel::sorted_boxes::{SortedBoxes, is_within_body};
 use crate::model::{ElementKind, ElementSide, Mesh, Model};
 use crate::plan::constraints::links::tied_nodes;
 use crate::plan::contact::general::name_of_piece;
@@ -32,11 +32,12 @@ impl ConnectedPart {
     fn meets(&self, other: &ConnectedPart) -> bool {
         (0..2).all(|i| self.low[i] < other.high[i] && other.low[i] < self.high[i])
     }
+}
 
-    fn holds(&self, p: [f64; 2]) -> bool {
-        let is_above = |i: usize| self.low[i] < p[i] || i == 0 && p[0] == 0.0;
-        (0..2).all(|i| is_above(i) && p[i] < self.high[i])
-    }
+/// Returns the nodes of exterior faces off the axis, which is no surface of a body.
+fn ends_off_axis(mesh: &Mesh, faces: &[(usize, ElementSide)]) -> impl Iterator<Item = [usize; 2]> {
+    let ends = faces.iter().filter_map(|&(element, side)| mesh.side_nodes(element, side));
+    ends.filter(|ends| ends.iter().any(|&n| mesh.points[n][0] != 0.0))
 }
 
 /// Warns of overlapping parts, once per pair.
@@ -171,12 +172,7 @@ fn body_outline(scene: Scene, piece: &ConnectedPart, outside: &[(usize, ElementS
             points.len() as u32 - 1
         })
     };
-    for ends in outside.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side)) {
-        // The axis is not a surface of a body.
-        if ends.iter().any(|&n| mesh.points[n][0] != 0.0) {
-            faces.push(ends.map(&mut add));
-        }
-    }
+    ends_off_axis(mesh, outside).for_each(|ends| faces.push(ends.map(&mut add)));
     if !mesh.elements[piece.elements[0]].kind.is_solid() {
         piece.elements.iter().flat_map(|&e| &mesh.elements[e].nodes).for_each(|&n| {
             add(n);
@@ -211,14 +207,11 @@ fn nodes_inside(
     let mesh = &model.mesh;
     let mut nodes: Vec<usize> =
         sorted_unique(piece.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()));
-    nodes.retain(|&n| other.holds(mesh.points[n]));
+    nodes.retain(|&n| is_within_body([other.low, other.high], mesh.points[n]));
     if nodes.is_empty() {
         return (0, 0.0);
     }
-    let ends = faces.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side));
-    // The axis is not a surface of a body.
-    let skin = ends.map(|edge| edge.map(|n| mesh.points[n])).filter(|edge| edge.iter().any(|point| point[0] != 0.0));
-    let skin: Vec<[[f64; 2]; 2]> = skin.collect();
+    let skin: Vec<[[f64; 2]; 2]> = ends_off_axis(mesh, faces).map(|ends| ends.map(|n| mesh.points[n])).collect();
     let (mut count, mut deepest) = (0, 0.0_f64);
     for n in nodes {
         let p = mesh.points[n];

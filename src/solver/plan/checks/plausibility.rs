@@ -11,12 +11,11 @@ use crate::model::{
 use crate::plan::checks::amplitudes::check_amplitudes;
 use crate::plan::checks::blasts::check_blasts;
 use crate::plan::checks::equations_of_state::check_detonation_times;
-use crate::plan::checks::strengths::check_methods;
+use crate::plan::checks::methods::check_methods;
 use crate::plan::checks::targets::{check_shots, check_targets};
 use crate::plan::checks::unit_systems::check_unit_systems;
 use crate::plan::checks::values::check_values;
 use crate::plan::{Report, Scene, State};
-use crate::platform::PortableMath as _;
 
 /// Ratio of an initial velocity to the speed of sound above which inconsistent units are assumed.
 const TOO_FAST: f64 = 3.0;
@@ -134,14 +133,13 @@ fn nodes_of(model: &Model, elements: &[usize]) -> Vec<usize> {
 
 /// Returns the shortest time in which a wave crosses an element, and the element.
 fn shortest_wave_transit(model: &Model) -> Option<(f64, &Element)> {
-    let points = &model.mesh.points;
     let mut smallest: Option<(f64, &Element)> = None;
     for section in &model.sections {
         let Some(sound) = wave_speed(model, section) else { continue };
-        for element in section.elements.iter().map(|&e| &model.mesh.elements[e]) {
-            let time = side_lengths(element, points)[0] / sound;
+        for &element in &section.elements {
+            let time = model.mesh.side_lengths(element)[0] / sound;
             if smallest.is_none_or(|s| time < s.0) {
-                smallest = Some((time, element));
+                smallest = Some((time, &model.mesh.elements[element]));
             }
         }
     }
@@ -252,15 +250,4 @@ fn suggested_units(density: f64, modulus: f64) -> String {
     let suggestions: Vec<String> =
         systems.map(|s| format!("{}: steel has {:.3e} and {:.3e}", s.words(), like(s)[0], like(s)[1])).collect();
     if suggestions.is_empty() { "check the units of density and modulus".into() } else { suggestions.join("; ") }
-}
-
-/// Returns the lengths of the shortest and of the longest side of an element; sides of zero length are left out.
-pub fn side_lengths(element: &Element, points: &[[f64; 2]]) -> [f64; 2] {
-    let nodes = &element.nodes;
-    let side = |i: usize| {
-        let [a, b] = [nodes[i], nodes[(i + 1) % nodes.len()]].map(|n| points[n]);
-        (b[0] - a[0]).portable_hypot(b[1] - a[1])
-    };
-    let lengths = (0..nodes.len()).map(side).filter(|length| *length > 0.0);
-    lengths.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], l| [least.min(l), most.max(l)])
 }

@@ -1,18 +1,16 @@
 //! Checks of strength and failure: percent instead of strains, engineering stress, radians instead of degrees, rubber that is
-//! too compressible, failure that no element can reach, temperatures on two scales, friction.
+//! too compressible, failure that no element can reach, temperatures on two scales.
 
-use super::finding::{Finding, warn_about};
+use super::finding::Finding;
 use super::unit_systems::ROOM_IN_KELVIN;
 use crate::model::{
-    DamageEvolution, EosKind, HourglassMethod, MaterialDefinition, Model, PlasticityModel, RateDependence,
-    StrainAtFailure,
+    DamageEvolution, MaterialDefinition, Model, PlasticityModel, RateDependence, StrainAtFailure, within,
 };
-use crate::plan::Report;
 
 /// Strain at the second row of a table from which strains are assumed to be in percent: local strains of metals at fracture
 /// are below 3.
 const PERCENT: f64 = 2.0;
-/// Decrease of the yield stress below its largest value, as a fraction of it, from which a curve softens.
+/// Decrease of the yield stress below its largest value, as a fraction of that value, from which a curve softens.
 const SOFTENING: f64 = 0.05;
 /// Plastic strain above which no ductile metal stays intact, in uniaxial tension: copper of high purity breaks at 3 to 4
 /// (true strain of the neck).
@@ -34,10 +32,6 @@ const LARGEST_EXPANSION: f64 = 2e-3;
 /// Rate D of the law of Cowper and Symonds below which the static yield stress, measured at 1e-4 1/s, would not exist; in the
 /// unit of time of the deck, with a margin for milliseconds.
 const LEAST_RATE: f64 = 1e-5;
-/// Friction coefficient above which a mistake is assumed: rubber has up to 1.2, clean metals in air up to 1.5.
-pub const LARGEST_FRICTION: f64 = 1.5;
-/// Usual factors on the hourglass stiffness (ABAQUS Keywords Reference Guide, *SECTION CONTROLS).
-const HOURGLASS_FACTORS: [f64; 2] = [0.2, 3.0];
 /// Room temperature in deg C, with a margin.
 const ROOM_IN_CELSIUS: [f64; 2] = [10.0, 35.0];
 
@@ -45,10 +39,10 @@ fn implausible(findings: &mut Vec<Finding>, message: String, help: &'static str)
     findings.push(Finding { code: "P140", message, help });
 }
 
-/// Adds the findings on strength and failure of a material; `length` is the smallest size of its elements.
-pub fn check_strength(model: &Model, material: &MaterialDefinition, length: Option<f64>, findings: &mut Vec<Finding>) {
+/// Adds the findings on strength and failure of a material with its index.
+pub fn check_strength(model: &Model, (index, material): (usize, &MaterialDefinition), findings: &mut Vec<Finding>) {
     check_hardening(material, findings);
-    check_failure_strains(material, length, findings);
+    check_failure_strains(model, (index, material), findings);
     check_rubber(material, findings);
     check_foam(material, findings);
     check_geomaterials(material, findings);
@@ -71,11 +65,7 @@ fn check_cutoff(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
             "spall strengths of metals are 1 to 5 GPa; give the cutoff in the unit of the moduli",
         );
     }
-    let stress = match &material.plastic {
-        Some(PlasticityModel::JohnsonCook([stress, ..])) => *stress,
-        Some(PlasticityModel::Tabular(rows)) => rows.first().map_or(0.0, |row| row[0]),
-        _ => 0.0,
-    };
+    let stress = material.plastic.as_ref().and_then(PlasticityModel::initial_yield_stress).unwrap_or(0.0);
     if cutoff < LEAST_CUTOFF * stress {
         let message =
             format!("the tensile cutoff {cutoff:e} of `{name}` is {:.1e} of its yield stress", cutoff / stress);
@@ -107,7 +97,7 @@ fn check_sensitivities(material: &MaterialDefinition, findings: &mut Vec<Finding
 fn check_hardening(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let Some(PlasticityModel::Tabular(rows)) = &material.plastic else { return };
     let name = &material.name;
-    // NaN stands for a temperature that is not given.
+    // A temperature that is not given is NaN.
     let is_isothermal = rows.iter().all(|row| row[2].to_bits() == rows[0][2].to_bits());
     let [_, second, .., last] = &rows[..] else { return };
     if !is_isothermal {
@@ -137,7 +127,7 @@ fn check_hardening(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
 }
 
 /// Checks strains at failure, and displacements after damage initiation against the size of elements.
-fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, findings: &mut Vec<Finding>) {
+fn check_failure_strains(model: &Model, (index, material): (usize, &MaterialDefinition), findings: &mut Vec<Finding>) {
     let name = &material.name;
     for criterion in &material.failures {
         let strain = match &criterion.strain {
@@ -160,7 +150,8 @@ fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, fin
             );
             implausible(findings, message, "the triaxiality is -p/q: positive in tension (1/3 in uniaxial tension)");
         }
-        if let (DamageEvolution::Displacement(displacement), Some(length)) = (criterion.evolution, length)
+        if let DamageEvolution::Displacement(displacement) = criterion.evolution
+            && let Some(length) = smallest_size(model, index)
             && displacement > LARGEST_FAILURE_STRAIN * length
         {
             let message = format!(
@@ -171,6 +162,13 @@ fn check_failure_strains(material: &MaterialDefinition, length: Option<f64>, fin
             implausible(findings, message, "the plastic displacement at failure is in the unit of length of the deck");
         }
     }
+}
+
+/// Returns the length of the shortest side of the solid elements of a material.
+fn smallest_size(model: &Model, material: usize) -> Option<f64> {
+    let sections = model.sections.iter().filter(|section| section.material.index() == material);
+    let elements = sections.flat_map(|section| &section.elements);
+    elements.map(|element| model.mesh.side_lengths(*element)[0]).reduce(f64::min)
 }
 
 /// Returns whether a table at one rate and temperature only increases with the triaxiality.
@@ -244,13 +242,12 @@ fn check_geomaterials(material: &MaterialDefinition, findings: &mut Vec<Finding>
     }
 }
 
-/// Compares the initial temperature with the transition temperature: one room temperature in kelvin and the other in deg C.
+/// Warns if one of initial and transition temperature is near 293 K and the other is near 20 deg C.
 fn check_temperature_scales(model: &Model, material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = material.plastic else { return };
-    let is_within = |value: f64, [from, to]: [f64; 2]| (from..=to).contains(&value);
     let differ = |a: f64, b: f64| {
-        is_within(a, ROOM_IN_KELVIN) && is_within(b, ROOM_IN_CELSIUS)
-            || is_within(b, ROOM_IN_KELVIN) && is_within(a, ROOM_IN_CELSIUS)
+        within(a, ROOM_IN_KELVIN) && within(b, ROOM_IN_CELSIUS)
+            || within(b, ROOM_IN_KELVIN) && within(a, ROOM_IN_CELSIUS)
     };
     let mut initial = model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
     let Some(initial) = initial.find(|initial| differ(*initial, transition)).filter(|_| melting > transition) else {
@@ -262,72 +259,4 @@ fn check_temperature_scales(model: &Model, material: &MaterialDefinition, findin
         material.name
     );
     findings.push(Finding { code: "P141", message, help: "give both temperatures on one scale" });
-}
-
-/// Warns of friction coefficients that no pair of materials has, and of hourglass factors and bulk viscosities outside their
-/// usual range.
-pub fn check_methods(model: &Model, report: &mut Report) {
-    let mut pairs = model.steps.iter().flat_map(|step| &step.surface_contacts);
-    let large = |friction: f64| friction > LARGEST_FRICTION && friction.is_finite();
-    if let Some(pair) = pairs.find(|pair| large(pair.law.friction.at_rest)) {
-        report_friction(pair.law.friction.at_rest, (pair.span, "this pair"), report);
-    }
-    let assigned = |step: &crate::model::Step| {
-        let laws = step.general_contact.iter().flat_map(|general| &general.assigned);
-        laws.map(|assigned| assigned.law.friction.at_rest).find(|friction| large(*friction))
-    };
-    if let Some((step, friction)) = model.steps.iter().find_map(|step| Some((step, assigned(step)?))) {
-        report_friction(friction, (step.span, "general contact of this step"), report);
-    }
-    let [least, most] = HOURGLASS_FACTORS;
-    let is_stiffness =
-        |method: Option<HourglassMethod>| !matches!(method, Some(HourglassMethod::Enhanced | HourglassMethod::Viscous));
-    let tuned = |section: &&crate::model::SolidSection| {
-        let factor = section.controls.factor;
-        factor != 0.0 && is_stiffness(section.controls.hourglass) && !(least..=most).contains(&factor)
-    };
-    if let Some(section) = model.sections.iter().find(tuned) {
-        let message = format!(
-            "the hourglass factor {} is outside {least} to {most}: hourglass control stiffens the elements, or does not hold them",
-            section.controls.factor
-        );
-        let help = "leave out the factor on *SECTION CONTROLS, and use a finer mesh";
-        warn_about("P143", message, (section.span, "this section"), help, report);
-    }
-    check_shock_viscosity(model, report);
-}
-
-pub fn report_friction(friction: f64, place: (crate::deck::Span, &str), report: &mut Report) {
-    let message =
-        format!("the friction coefficient {friction} is above {LARGEST_FRICTION}, which no pair of materials reaches");
-    warn_about(
-        "P143",
-        message,
-        place,
-        "metals have 0.05 to 0.8, rubber up to 1.2; *FRICTION, ROUGH allows no slip",
-        report,
-    );
-}
-
-/// Warns of a step without linear or quadratic bulk viscosity in a model with shocks, that is, with a Hugoniot.
-fn check_shock_viscosity(model: &Model, report: &mut Report) {
-    let is_shocked =
-        |material: &&MaterialDefinition| matches!(material.eos.as_ref().map(|eos| &eos.kind), Some(EosKind::UsUp(_)));
-    let mut used = model.sections.iter().filter_map(|section| model.materials.get(section.material.index()));
-    let Some(material) = used.find(is_shocked) else { return };
-    let missing = |linear: f64, quadratic: f64| match [linear == 0.0, quadratic == 0.0] {
-        [true, true] => Some("no"),
-        [true, false] => Some("no linear"),
-        [false, true] => Some("no quadratic"),
-        [false, false] => None,
-    };
-    for step in &model.steps {
-        let Some(missing) = missing(step.bulk_viscosity.linear, step.bulk_viscosity.quadratic) else { continue };
-        let message = format!(
-            "step `{}` has {missing} bulk viscosity, and `{}` has an equation of state: shocks oscillate from element to element",
-            step.name, material.name
-        );
-        let help = "use the default coefficients of *BULK VISCOSITY, 0.06 and 1.2";
-        return warn_about("P143", message, (step.span, "this step"), help, report);
-    }
 }

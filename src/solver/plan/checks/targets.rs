@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use super::finding::warn_about;
+use super::methods::{LARGEST_FRICTION, report_friction};
 use super::plausibility::{InitialVelocity, initial_velocities};
-use super::strengths::{LARGEST_FRICTION, report_friction};
 use crate::model::{
     DeckUnits, LoadKind, MaterialDefinition, Model, RigidBody, SYSTEMS, TargetStack, UnitSystem, is_without_units,
 };
@@ -131,7 +131,7 @@ fn check_shot(model: &Model, velocity: &InitialVelocity<'_>, normal: f64, target
         let mut systems = SYSTEMS.iter().filter(|system| {
             units.is_none_or(|known| known == *system) && system.fits_target(density, cavity.yield_stress)
         });
-        let pascals = |system: &UnitSystem| resistance / density * system.density(density) * system.speed(1.0).powi(2);
+        let pascals = |system: &UnitSystem| system.stress(resistance);
         if let Some(least) = systems.by_ref().map(pascals).reduce(f64::min).filter(|least| *least > LARGEST_STRESS) {
             let message = format!(
                 "at the initial velocity the resistance of `{}` is {:.1} GPa, which no projectile withstands without yielding",

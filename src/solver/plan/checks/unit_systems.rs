@@ -1,8 +1,9 @@
 //! Checks of the unit system of a deck: all its materials, known metals and gravity must be plausible in one system.
 
-use super::finding::warn_about;
+use super::finding::{used_materials, warn_about};
 use crate::model::{
     DeckUnits, EosKind, LoadKind, MaterialDefinition, Model, PlasticityModel, SYSTEMS, UnitSystem, is_without_units,
+    within,
 };
 use crate::plan::Report;
 
@@ -69,7 +70,7 @@ impl Stiffness<'_> {
             let is_dense = !self.is_metallic() || density >= LEAST_METAL_DENSITY && speed <= LARGEST_METAL_SPEED;
             return is_dense && system.fits(self.density, self.modulus);
         }
-        is_within(density, SOFT_DENSITIES) && is_within(speed, SOFT_SPEEDS)
+        within(density, SOFT_DENSITIES) && within(speed, SOFT_SPEEDS)
     }
 
     /// Returns whether the material has the plasticity of metals: of von Mises, over the modulus of *ELASTIC.
@@ -83,29 +84,22 @@ impl Stiffness<'_> {
     fn metal(&self, system: &UnitSystem) -> Option<&'static Metal> {
         let is_metal = self.is_metallic();
         let density = system.density(self.density);
-        let is_steel = is_within(density, STEEL_DENSITIES);
-        let known = METALS.iter().find(|metal| is_within(density, metal.densities));
+        let is_steel = within(density, STEEL_DENSITIES);
+        let known = METALS.iter().find(|metal| within(density, metal.densities));
         known.filter(|_| self.material.elastic.is_some() && (is_metal || is_steel))
     }
 
     /// Returns whether the modulus is one that no metal of this density has.
     fn contradicts(&self, system: &UnitSystem) -> bool {
-        // Pa = kg/(m s²): density times squared speed.
-        let modulus = self.modulus / self.density * system.density(self.density) * system.speed(1.0).powi(2);
-        self.metal(system).is_some_and(|metal| !is_within(modulus, metal.moduli))
+        self.metal(system).is_some_and(|metal| !within(system.stress(self.modulus), metal.moduli))
     }
 }
 
 /// Warns if the materials, and gravity, are not plausible in one of the usual unit systems, or in that of `*UNITS`.
 /// Materials that fit none are reported by `plausibility::unit_warning`.
 pub fn check_unit_systems(model: &Model, report: &mut Report) {
-    let used: Vec<usize> = {
-        let mut used: Vec<usize> = model.layer_regions().map(|region| region.0.index()).collect();
-        used.sort_unstable();
-        used.dedup();
-        used
-    };
-    let values: Vec<Stiffness<'_>> = used.iter().filter_map(|&m| Stiffness::new(model.materials.get(m)?)).collect();
+    let values: Vec<Stiffness<'_>> =
+        used_materials(model).filter_map(|(_, material)| Stiffness::new(material)).collect();
     let units = model.settings.units.as_ref();
     let known = units.and_then(DeckUnits::system);
     if units.is_some() && known.is_none() || known.is_none() && values.iter().any(|v| is_without_units(v.density)) {
@@ -157,7 +151,7 @@ fn report_unfit(value: &Stiffness<'_>, previous: Option<&Stiffness<'_>>, report:
 
 fn report_metal(value: &Stiffness<'_>, system: Option<&UnitSystem>, report: &mut Report) {
     let Some((system, metal)) = system.and_then(|system| Some((system, value.metal(system)?))) else { return };
-    let [from, to] = metal.moduli.map(|modulus| modulus / (system.density(1.0) * system.speed(1.0).powi(2)));
+    let [from, to] = metal.moduli.map(|modulus| modulus / system.stress(1.0));
     let message = format!(
         "`{}` has the density of {} in {} ({:e}), and a Young's modulus of {:e}, which is outside {from:.2e} to {to:.2e}",
         value.material.name,
@@ -173,7 +167,7 @@ fn report_metal(value: &Stiffness<'_>, system: Option<&UnitSystem>, report: &mut
 /// Warns of a melting temperature below that of all alloys of the metal, on an absolute scale.
 fn check_melting(model: &Model, value: &Stiffness<'_>, systems: &[&UnitSystem], report: &mut Report) {
     let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = value.material.plastic else { return };
-    let is_kelvin = (ROOM_IN_KELVIN[0]..=ROOM_IN_KELVIN[1]).contains(&transition);
+    let is_kelvin = within(transition, ROOM_IN_KELVIN);
     let metals: Option<Vec<&Metal>> = systems.iter().map(|system| value.metal(system)).collect();
     let Some(metal) = metals.as_deref().and_then(|metals| metals.first()).filter(|_| is_kelvin) else { return };
     if melting >= metal.solidus || melting <= transition || model.settings.absolute_zero != 0.0 {
@@ -217,7 +211,3 @@ fn check_gravity(model: &Model, systems: &[&UnitSystem], report: &mut Report) {
 
 /// Room temperature in kelvin, with a margin.
 pub const ROOM_IN_KELVIN: [f64; 2] = [283.0, 308.0];
-
-fn is_within(value: f64, [from, to]: [f64; 2]) -> bool {
-    (from..=to).contains(&value)
-}

@@ -5,13 +5,12 @@ use std::collections::HashSet;
 
 use crate::deck::Diagnostic;
 use crate::model::{
-    InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, SolidSection,
-    StrainAtFailure, is_without_units,
+    InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
+    is_without_units,
 };
 use crate::plan::Report;
 use crate::plan::checks::equations_of_state::check_equation_of_state;
-use crate::plan::checks::finding::{Finding, warn_about};
-use crate::plan::checks::plausibility::side_lengths;
+use crate::plan::checks::finding::{Finding, used_materials, warn_about};
 use crate::plan::checks::strengths::check_strength;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
@@ -34,16 +33,13 @@ const LARGEST_ELONGATION: f64 = 300.0;
 
 /// Warns of implausible materials, controls and elements of deformable bodies.
 pub fn check_values(model: &Model, report: &mut Report) {
-    let mut used: Vec<usize> = model.layer_regions().map(|region| region.0.index()).collect();
-    used.sort_unstable();
-    used.dedup();
-    for material in used.into_iter().filter_map(|m| model.materials.get(m)) {
+    for (index, material) in used_materials(model) {
         let mut findings = Vec::new();
         plasticity(material, &mut findings);
         failure(material, &mut findings);
         stiffness(material, &mut findings);
         check_temperatures(model, material, &mut findings);
-        check_strength(model, material, smallest_size(model, material), &mut findings);
+        check_strength(model, (index, material), &mut findings);
         check_equation_of_state(model, material, &mut findings);
         for Finding { code, message, help } in findings {
             warn_about(code, message, (material.span, "this material"), help, report);
@@ -80,15 +76,6 @@ fn check_missing_temperatures(model: &Model, report: &mut Report) {
             return warn_about("P141", message, (section.span, "this section"), help, report);
         }
     }
-}
-
-/// Returns the length of the shortest side of the solid elements of a material.
-fn smallest_size(model: &Model, material: &MaterialDefinition) -> Option<f64> {
-    let is_of = |section: &&SolidSection| {
-        model.materials.get(section.material.index()).is_some_and(|m| m.span == material.span)
-    };
-    let elements = model.sections.iter().filter(is_of).flat_map(|section| &section.elements);
-    elements.map(|&e| side_lengths(&model.mesh.elements[e], &model.mesh.points)[0]).reduce(f64::min)
 }
 
 /// Warns of an initial velocity all of whose nodes are fixed.
@@ -203,8 +190,8 @@ fn check_controls(model: &Model, report: &mut Report) {
 /// power of ten.
 fn check_edges(model: &Model, report: &mut Report) {
     let mesh = &model.mesh;
-    let elements = model.sections.iter().flat_map(|s| s.elements.iter().map(|&e| &mesh.elements[e]));
-    let sides = elements.map(|element| (element, side_lengths(element, &mesh.points)));
+    let elements = model.sections.iter().flat_map(|s| s.elements.iter().copied());
+    let sides = elements.map(|e| (&mesh.elements[e], mesh.side_lengths(e)));
     let extremes = sides.clone().fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (_, [shortest, longest])| {
         [least.min(shortest), most.max(longest)]
     });
@@ -273,11 +260,7 @@ fn plasticity(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
         }
         _ => {}
     }
-    let first = match &material.plastic {
-        Some(PlasticityModel::JohnsonCook([a, ..])) => Some(*a),
-        Some(PlasticityModel::Tabular(rows)) => rows.first().map(|row| row[0]),
-        _ => None,
-    };
+    let first = material.plastic.as_ref().and_then(PlasticityModel::initial_yield_stress);
     // Poisson's ratio 0.3 gives the modulus of a material with *EOS.
     let modulus = material.elastic.map(|[modulus, _]| modulus).or(material.shear_modulus.map(|shear| 2.6 * shear));
     let ratio = first.zip(modulus).map(|(stress, modulus)| stress / modulus).filter(|ratio| *ratio > 0.0);

@@ -151,16 +151,16 @@ pub(super) fn unsupported_domain(
 ) -> Option<(String, &'static str)> {
     let group = places[0].0;
     if places.iter().any(|(g, _)| *g != group) {
-        let message = format!("the elements of `{}` belong to several sections", set);
+        let message = format!("the elements of `{set}` belong to several sections");
         return Some((message, "give one *ADAPTIVE MESH for the elements of each section"));
     }
     let is_supported = |&(g, _): &(usize, usize)| state.elements.groups[g].topology() == ElementTopology::Quadrilateral;
     if !places.iter().all(is_supported) {
-        let message = format!("`{}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T", set);
+        let message = format!("`{set}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T");
         return Some((message, "give a set of CAX4R, CAX4RT, CAX3 or CAX3T elements"));
     }
     if elements.iter().any(|e| !taken.insert(*e)) {
-        let message = format!("elements of `{}` belong to two adaptive meshes", set);
+        let message = format!("elements of `{set}` belong to two adaptive meshes");
         return Some((message, "give each element to one domain"));
     }
     if scene.model.scales_masses() && state.conducts_heat(group) {
@@ -168,7 +168,7 @@ pub(super) fn unsupported_domain(
         return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
     }
     if scales_equation_of_state(scene.model, &sorted_unique(elements.iter().copied())) {
-        let message = format!("the mass of `{}`, whose material has *EOS, is scaled", set);
+        let message = format!("the mass of `{set}`, whose material has *EOS, is scaled");
         return Some((message, "give the mass scaling an ELSET without this domain"));
     }
     if state.elements.distortion.is_some() {
@@ -179,8 +179,7 @@ pub(super) fn unsupported_domain(
         sorted_unique(elements.iter().flat_map(|e| scene.model.mesh.elements[*e].nodes.iter().copied()));
     if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &nodes) {
         let message = format!(
-            "prescribed temperatures or field variables differ between the nodes of `{}`: they do not follow a mesh that moves",
-            set
+            "prescribed temperatures or field variables differ between the nodes of `{set}`: they do not follow a mesh that moves"
         );
         return Some((message, "prescribe one value for all nodes of the domain in *TEMPERATURE and *FIELD"));
     }

@@ -6,7 +6,6 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
 use crate::model::{AnalyticalFront, Mesh, Model, RegionType, Remeshing, SolidSection, Step};
-use crate::plan::checks::plausibility::side_lengths;
 use crate::plan::meshes::remesh::{RemeshPlan, fix_tied_nodes, has_faces_of, remeshed_body};
 use crate::plan::{MeshRenewal, Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
@@ -64,8 +63,7 @@ impl AutomaticMeshes {
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
-    /// Lists the bodies without a card that may have a new mesh; `None` without any. If all time increments are fixed,
-    /// none collapses. `renewals` are those of the element groups; `shared` is the model of the scene, if its owner shares it.
+    /// Lists the bodies without a card that may have a new mesh; `None` without any. `renewals` are those of the element groups; `shared` is the model of the scene, if its owner shares it.
     pub fn plan(
         scene: Scene,
         shared: Option<&Arc<Model>>,
@@ -76,14 +74,12 @@ impl AutomaticMeshes {
     ) -> Option<AutomaticMeshes> {
         let model = scene.model;
         // A model with fronts is that of a new mesh.
-        let excludes = report.diagnostics.has_errors()
-            || !model.remeshings.is_empty()
+        let excludes = renewals.is_empty()
             || model.surfaces.fronts.is_some()
             || !model.erosions.is_empty()
             || !report.called_routines.is_empty()
             || model.steps.iter().flat_map(|step| &step.loads).any(|load| load.kind.is_user())
-            || state.heat().is_some()
-            || model.steps.iter().all(|step| step.increment.is_fixed());
+            || state.heat().is_some();
         if excludes {
             return None;
         }
@@ -179,7 +175,7 @@ fn contains_any(list: &[usize], elements: &[usize]) -> bool {
 /// nearly square, would be too many.
 fn has_needles(mesh: &Mesh, elements: &[usize]) -> bool {
     let is_needle = |element: &usize| {
-        let [shortest, longest] = side_lengths(&mesh.elements[*element], &mesh.points);
+        let [shortest, longest] = mesh.side_lengths(*element);
         longest > LONGEST * shortest
     };
     elements.iter().any(is_needle)

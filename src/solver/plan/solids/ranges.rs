@@ -2,7 +2,7 @@
 
 use super::solid_material::yield_stress;
 use crate::kernel::hardening::{FlowStress, YieldStress};
-use crate::model::{MaterialDefinition, PlasticityModel, RangedQuantity, ValidityRange};
+use crate::model::{MaterialDefinition, RangedQuantity, ValidityRange};
 use crate::plan::{Report, Scene};
 use crate::state::EffectId;
 
@@ -55,24 +55,6 @@ impl PlannedRange {
     fn flow_stress_at(&self, plastic_strain: f64, rate: f64, temperature: f64) -> f64 {
         self.flow_stress.as_ref().map_or(0.0, |law| law.at(plastic_strain, rate, temperature))
     }
-}
-
-/// Returns the element groups of plastic materials with their initial yield stress.
-pub fn yield_stresses(scene: Scene<'_>) -> Vec<(usize, f64)> {
-    let mut groups = Vec::new();
-    for (id, elements) in scene.model.material_regions() {
-        let stress = match scene.model.materials.get(id.index()).and_then(|material| material.plastic.as_ref()) {
-            Some(PlasticityModel::JohnsonCook([stress, ..])) => *stress,
-            Some(PlasticityModel::Tabular(rows)) => rows.first().map_or(0.0, |row| row[0]),
-            _ => 0.0,
-        };
-        for place in elements.iter().filter_map(|e| scene.places.elements.get(e)).filter(|_| stress > 0.0) {
-            if groups.last() != Some(&(place.0, stress)) {
-                groups.push((place.0, stress));
-            }
-        }
-    }
-    groups
 }
 
 /// Returns the ranges of all materials of deformable elements.
