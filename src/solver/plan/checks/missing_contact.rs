@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use super::finding::warn_about;
-use super::overlaps::{contacts_of, elements_of, solid_parts};
+use super::overlaps::{ConnectedPart, contacts_of, elements_of};
 use crate::deck::Diagnostic;
 use crate::kernel::box_grid::BoxGrid;
 use crate::model::{ElementSide, Model};
@@ -35,13 +35,17 @@ pub fn check_missing_contact(scene: Scene, report: &mut Report) {
 }
 
 /// Warns of two deformable bodies with faces at the same place, without common nodes, tie or contact.
-pub fn check_unjoined_faces(scene: Scene, links: &Links, pairs: &Pairs, report: &mut Report) {
+pub(super) fn check_unjoined_faces(
+    scene: Scene,
+    parts: &[ConnectedPart],
+    (links, pairs): (&Links, &Pairs),
+    report: &mut Report,
+) {
     let model = scene.model;
-    let parts = solid_parts(scene);
     if parts.len() < 2 {
         return;
     }
-    let faces = exterior_faces_of(&model.mesh, elements_of(&parts));
+    let faces = exterior_faces_of(&model.mesh, elements_of(parts));
     let linked = linked_nodes(model);
     let deforms = |part: usize| scene.places.elements.contains_key(&parts[part].elements[0]);
     let mut edges: Vec<Edge> = Vec::new();
@@ -50,7 +54,7 @@ pub fn check_unjoined_faces(scene: Scene, links: &Links, pairs: &Pairs, report: 
     }
     edges.sort_unstable_by(|a, b| a.middle[1].total_cmp(&b.middle[1]));
     let grid = BoxGrid::new(edges.iter().map(|edge| [edge.middle; 2]).zip(0..));
-    let contacts = contacts_of(model, links, pairs, &parts);
+    let contacts = contacts_of(model, links, pairs, parts);
     let are_joined =
         |a: usize, b: usize| contacts.connect([a.min(b), a.max(b)]) || contacts.are_tied([a.min(b), a.max(b)]);
     for (edge, index) in edges.iter().zip(0..) {

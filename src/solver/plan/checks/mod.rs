@@ -22,9 +22,10 @@ use crate::plan::{Links, Pairs, Report, Scene, State};
 /// Judges a complete plan, and lists cards and user subroutines that it does not use.
 pub fn check_plan(scene: Scene, links: &Links, pairs: &Pairs, state: &State, report: &mut Report) {
     check_complete(scene.model, !state.dofs.nodes.is_empty(), report);
-    overlaps::report_overlaps(scene, links, pairs, report);
+    let parts = overlaps::solid_parts(scene);
+    overlaps::report_overlaps(scene, &parts, (links, pairs), report);
     missing_contact::check_missing_contact(scene, report);
-    missing_contact::check_unjoined_faces(scene, links, pairs, report);
+    missing_contact::check_unjoined_faces(scene, &parts, (links, pairs), report);
     for inert in &scene.model.origin.inert {
         report.add_unused_card(inert.span, format!("*{}", inert.keyword), inert.why.clone());
     }

@@ -41,24 +41,28 @@ fn ends_off_axis(mesh: &Mesh, faces: &[(usize, ElementSide)]) -> impl Iterator<I
 }
 
 /// Warns of overlapping parts, once per pair.
-pub fn report_overlaps(scene: Scene, links: &Links, pairs: &Pairs, report: &mut Report) {
-    let pieces = solid_parts(scene);
-    let mut close_parts = pairs_that_meet(&pieces);
+pub(super) fn report_overlaps(
+    scene: Scene,
+    parts: &[ConnectedPart],
+    (links, pairs): (&Links, &Pairs),
+    report: &mut Report,
+) {
+    let mut close_parts = pairs_that_meet(parts);
     if close_parts.is_empty() {
         return;
     }
-    let contacts = contacts_of(scene.model, links, pairs, &pieces);
+    let contacts = contacts_of(scene.model, links, pairs, parts);
     close_parts.retain(|pair| !contacts.connect(*pair) && !contacts.are_tied(*pair));
     if close_parts.is_empty() {
         return;
     }
-    let faces = exterior_faces_of(&scene.model.mesh, elements_of(&pieces));
+    let faces = exterior_faces_of(&scene.model.mesh, elements_of(parts));
     for [a, b] in close_parts {
-        let inside = [[a, b], [b, a]].map(|[a, b]| nodes_inside(scene.model, &pieces[a], &pieces[b], &faces[b]));
+        let inside = [[a, b], [b, a]].map(|[a, b]| nodes_inside(scene.model, &parts[a], &parts[b], &faces[b]));
         let count = inside.iter().map(|f| f.0).sum::<usize>();
         let depth = inside.iter().map(|f| f.1).fold(0.0, f64::max);
         if count > 0 {
-            report_overlap(scene.model, [&pieces[a], &pieces[b]], count, depth, report);
+            report_overlap(scene.model, [&parts[a], &parts[b]], count, depth, report);
         }
     }
 }

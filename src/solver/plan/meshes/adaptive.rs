@@ -103,8 +103,13 @@ fn adaptive_domain(
         report.add_unused_card(mesh.span, "adaptive mesh", "none of its elements is deformable");
         return None;
     };
-    if let Some((message, help)) = unsupported_domain(scene, (&mesh.set, &mesh.elements), &places, state, taken) {
+    if let Some((message, help)) = unsupported_domain(scene, (&mesh.set, &mesh.elements), &places, state) {
         refuse_domain(mesh.span, message, help, report);
+        return None;
+    }
+    if mesh.elements.iter().any(|element| !taken.insert(*element)) {
+        let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
+        refuse_domain(mesh.span, message, "give each element to one domain", report);
         return None;
     }
     let mut elements: Vec<u32> = places.iter().map(|(_, e)| *e as u32).collect();
@@ -147,7 +152,6 @@ pub(super) fn unsupported_domain(
     (set, elements): (&str, &[usize]),
     places: &[(usize, usize)],
     state: &State,
-    taken: &mut HashSet<usize>,
 ) -> Option<(String, &'static str)> {
     let group = places[0].0;
     if places.iter().any(|(g, _)| *g != group) {
@@ -158,10 +162,6 @@ pub(super) fn unsupported_domain(
     if !places.iter().all(is_supported) {
         let message = format!("`{set}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T");
         return Some((message, "give a set of CAX4R, CAX4RT, CAX3 or CAX3T elements"));
-    }
-    if elements.iter().any(|e| !taken.insert(*e)) {
-        let message = format!("elements of `{set}` belong to two adaptive meshes");
-        return Some((message, "give each element to one domain"));
     }
     if scene.model.scales_masses() && state.conducts_heat(group) {
         let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();

@@ -53,6 +53,5 @@ impl MeshRenewal {
 fn can_adapt(scene: Scene, section: &SolidSection, name: &str, state: &State) -> bool {
     let elements = sorted_unique(section.elements.iter().copied());
     let places: Vec<_> = elements.iter().filter_map(|element| scene.places.elements.get(element).copied()).collect();
-    !places.is_empty()
-        && unsupported_domain(scene, (name, &elements), &places, state, &mut std::collections::HashSet::new()).is_none()
+    !places.is_empty() && unsupported_domain(scene, (name, &elements), &places, state).is_none()
 }
