@@ -14,7 +14,7 @@ use crate::remeshing::{new_meshes, taylor};
 const FAST: [(&str, &str); 5] = [("radius", "3e-3"), ("length", "30e-3"), ("speed", "450."), ("nr", "6"), ("nz", "60")];
 
 /// Sums of a state: mass, momentum along r and z, and the sum of the absolute momenta of the nodes.
-fn sums(state: &State) -> [f64; 4] {
+pub fn sums(state: &State) -> [f64; 4] {
     let nodes = &state.dofs.nodes;
     let of_node = |n: usize| {
         let (mass, [r, z]) = (nodes.mass[n], nodes.velocity_now(n));

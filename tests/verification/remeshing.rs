@@ -15,7 +15,7 @@ use crate::common::{bodies, solid};
 /// A bar is remeshed when an angle is below 59 degrees, and then whenever the angle has halved.
 pub const OFTEN: &str = "*Remesh, elset=BAR, angle=59., frequency=5\n";
 
-fn run(deck: &str, settings: &[(&str, &str)]) -> (Outcome, HistorySummary) {
+pub fn run(deck: &str, settings: &[(&str, &str)]) -> (Outcome, HistorySummary) {
     let prepared = common::prepared(deck, settings, &Routines::none());
     job::run_in_memory(&prepared)
 }
@@ -256,30 +256,35 @@ fn contact_pairs_at_ties_of_remeshed_bodies_are_refused_before_the_run() {
     assert!((work(card, general) / follows - 1.0).abs() < 0.02);
 }
 
-/// Bodies that share nodes cannot have new meshes. Where an element folds, the message does not advise a card that the checks
-/// refuse, but says why the body cannot have a new mesh.
+/// Where an element folds, the message advises cards that the checks accept: `*ADAPTIVE MESH` does not move common nodes of bodies, and
+/// bodies with common nodes and scaled masses cannot have new meshes.
 #[test]
 fn messages_advise_no_card_that_is_refused() {
-    let deck = |card: &str, sections: &str| {
+    let scaled = "*Fixed Mass Scaling, factor=2.\n";
+    let deck = |card: &str, sections: &str, scaling: &str| {
         solid::grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64])
             + &solid::material(1.0, 0.3, 1.0, "*Nset, nset=RING\n 1, 2, 3, 4, 6, 7, 8, 9\n*Nset, nset=MIDDLE\n 5\n")
                 .replace("*Solid Section, elset=SOLID, material=M\n", sections)
             + card
-            + "*Amplitude, name=A\n 0., 0., 50., 1.\n*Step\n*Dynamic, Explicit\n , 50.\n*Boundary\n RING, 1, 2\n\
-               *Boundary, amplitude=A\n MIDDLE, 1, 2, 0.8\n*End Step\n"
+            + "*Amplitude, name=A\n 0., 0., 50., 1.\n*Step\n*Dynamic, Explicit\n , 50.\n"
+            + scaling
+            + "*Boundary\n RING, 1, 2\n*Boundary, amplitude=A\n MIDDLE, 1, 2, 0.8\n*End Step\n"
     };
     let one = "*Solid Section, elset=SOLID, material=M\n";
     let two = "*Elset, elset=FIRST\n 1, 2, 3\n*Elset, elset=LAST\n 4\n*Solid Section, elset=FIRST, material=M\n*Solid \
                Section, elset=LAST, material=M\n";
-    for (sections, set, is_supported) in [(one, "SOLID", true), (two, "LAST", false)] {
-        let (outcome, _) = solid::run(&deck("", sections));
+    for (sections, scaling, set, advice) in [
+        (one, "", "SOLID", "*REMESH or *ADAPTIVE MESH keeps"),
+        (two, "", "LAST", "*REMESH keeps"),
+        (two, scaled, "LAST", "use nodes of its elements, and masses are scaled: separate the bodies"),
+    ] {
+        let (outcome, _) = solid::run(&deck("", sections, scaling));
         let warning = outcome.warnings.iter().find(|warning| warning.starts_with("R327")).expect("a corner");
         println!("{warning}");
-        let card = format!("*Remesh, elset={set}\n");
-        let prepared = job::prepare_text("test.inp", &deck(&card, sections), &common::pairs(&[]), &Routines::none());
-        assert_eq!(prepared.diagnostics.has_errors(), !is_supported);
-        assert_eq!(warning.contains("*REMESH or *ADAPTIVE MESH keeps"), is_supported, "{warning}");
-        assert_eq!(warning.contains("use nodes of its elements: separate the bodies"), !is_supported, "{warning}");
+        assert!(warning.contains(advice), "{warning}");
+        let deck = deck(&format!("*Remesh, elset={set}\n"), sections, scaling);
+        let prepared = job::prepare_text("test.inp", &deck, &common::pairs(&[]), &Routines::none());
+        assert_eq!(prepared.diagnostics.has_errors(), !scaling.is_empty());
     }
 }
 

@@ -127,6 +127,7 @@ pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
         size,
         limits,
         automatic: false,
+        shared: Vec::new(),
     });
 }
 

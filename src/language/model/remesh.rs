@@ -52,6 +52,12 @@ impl ModelBody {
         self.nodes.binary_search(&node).ok().map(|at| at as u32)
     }
 
+    /// Returns the nodes that elements outside the body use, in its own numbering and ascending order. New meshes keep them.
+    pub fn shared_nodes(&self, model: &Model) -> Vec<u32> {
+        let elements = &model.remeshings[self.index].elements;
+        sorted_unique(elements_at_body(&model.mesh, self, elements).map(|(_, node)| node))
+    }
+
     /// Returns the square roots of the areas of the elements at the start.
     pub fn sizes(&self, mesh: &Mesh) -> Vec<f64> {
         let corners = |quad: &[u32; 4]| quad.map(|n| mesh.points[self.nodes[n as usize]]);
@@ -187,7 +193,8 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
     let body = ModelBody::new(model, revision.body);
     let relation = MeshRelation::new(model, &body, revision);
     let mut new = model.clone();
-    new.mesh = relation.mesh(model, &body, revision).into();
+    let shared = body.shared_nodes(model);
+    new.mesh = relation.mesh(model, (&body, &shared), revision).into();
     visit_lists(&mut new, &mut |list| match list {
         MemberList::Node(node) => *node = relation.node(*node),
         MemberList::Nodes(list) => relation.follow_nodes(list, &body, revision),
@@ -199,6 +206,7 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
     new.output.tracers = relation.tracers(model, revision);
     new.constraints.tie_places = relation.places(&body, revision);
     keep_history_nodes(&mut new, model, &relation);
+    new.remeshings[revision.body].shared = relation.shared_places(&shared, revision);
     new
 }
 
@@ -291,6 +299,13 @@ impl MeshRelation {
         places
     }
 
+    /// Returns the nodes that other elements use, with their places in the new mesh.
+    fn shared_places(&self, shared: &[u32], revision: &MeshRevision) -> Vec<(usize, [f64; 2])> {
+        let new = revision.parents.iter().zip(&revision.mesh.points).enumerate();
+        let kept = new.filter(|(_, ([a, b], _))| a == b && shared.binary_search(a).is_ok());
+        kept.map(|(new, (_, place))| (self.first_node + new, *place)).collect()
+    }
+
     fn node(&self, node: usize) -> usize {
         if self.nodes[node] == GONE { self.first_node } else { self.nodes[node] }
     }
@@ -346,7 +361,8 @@ impl MeshRelation {
         *list = others.chain(new).collect();
     }
 
-    fn mesh(&self, model: &Model, body: &ModelBody, revision: &MeshRevision) -> Mesh {
+    /// Returns the mesh of the model with the new mesh of a body, whose `shared` nodes stay where they are at the start.
+    fn mesh(&self, model: &Model, (body, shared): (&ModelBody, &[u32]), revision: &MeshRevision) -> Mesh {
         let old = &*model.mesh;
         let elements = &model.remeshings[revision.body].elements;
         let like = &old.elements[elements[0]];
@@ -358,11 +374,12 @@ impl MeshRelation {
             mesh.node_names.push(old.node_names[node].clone());
         }
         for (place, parents) in revision.mesh.points.iter().zip(&revision.parents) {
-            mesh.points.push(*place);
-            mesh.node_names.push(if parents[0] == parents[1] && parents[0] != INSIDE {
-                old.node_names[body.nodes[parents[0] as usize]].clone()
-            } else {
-                node_labels.next(&old.node_names[body.nodes[0]])
+            let kept = (parents[0] == parents[1] && parents[0] != INSIDE).then(|| body.nodes[parents[0] as usize]);
+            let is_shared = kept.is_some() && shared.binary_search(&parents[0]).is_ok();
+            mesh.points.push(kept.filter(|_| is_shared).map_or(*place, |node| old.points[node]));
+            mesh.node_names.push(match kept {
+                Some(node) => old.node_names[node].clone(),
+                None => node_labels.next(&old.node_names[body.nodes[0]]),
             });
         }
         for point in replaced_nodes(body, revision) {
@@ -410,7 +427,10 @@ fn visit_lists(model: &mut Model, visit: &mut dyn FnMut(MemberList<'_>)) {
     cohesive_sections.iter_mut().for_each(|section| visit(MemberList::Elements(&mut section.elements)));
     erosions.iter_mut().filter_map(|e| e.elements.as_mut()).for_each(|list| visit(MemberList::Elements(list)));
     let Model { remeshings, rigid_bodies, attitudes, discrete, constraints, initial_conditions, steps, .. } = model;
-    remeshings.iter_mut().for_each(|remeshing| visit(MemberList::Elements(&mut remeshing.elements)));
+    for remeshing in remeshings {
+        visit(MemberList::Elements(&mut remeshing.elements));
+        remeshing.shared.iter_mut().for_each(|(node, _)| visit(MemberList::Node(node)));
+    }
     for body in rigid_bodies {
         visit(MemberList::Node(&mut body.reference));
         visit(MemberList::Elements(&mut body.elements));
@@ -492,12 +512,17 @@ fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
     }
 }
 
-/// Returns whether a body has a node that elements outside it use; point masses, springs and dashpots may.
-pub fn is_shared(model: &Model, body: &ModelBody, elements: &[usize]) -> bool {
+/// Returns the elements outside a body that use its nodes, with each of these nodes in the numbering of the body, except point
+/// masses, springs and dashpots. `elements` are those of the body, in ascending order.
+pub fn elements_at_body<'a>(
+    mesh: &'a Mesh,
+    body: &'a ModelBody,
+    elements: &'a [usize],
+) -> impl Iterator<Item = (usize, u32)> + 'a {
     let is_discrete = |e: usize| {
-        let kind = model.mesh.elements[e].kind;
+        let kind = mesh.elements[e].kind;
         kind.is_connector() || kind == ElementKind::Mass
     };
-    let others = (0..model.mesh.elements.len()).filter(|e| elements.binary_search(e).is_err() && !is_discrete(*e));
-    others.flat_map(|e| model.mesh.elements[e].nodes.iter()).any(|node| body.position(*node).is_some())
+    let others = (0..mesh.elements.len()).filter(move |e| elements.binary_search(e).is_err() && !is_discrete(*e));
+    others.flat_map(move |e| mesh.elements[e].nodes.iter().filter_map(move |node| Some((e, body.position(*node)?))))
 }

@@ -237,9 +237,12 @@ impl Patch {
     fn meshed(&self, old: &BodyMesh, rules: &OutlineRules<'_>) -> Option<MeshRevision> {
         let mut kept_nodes: Vec<bool> = self.nodes.iter().map(|n| rules.kept[*n as usize]).collect();
         self.rim.iter().flatten().for_each(|n| kept_nodes[*n as usize] = true);
+        let in_patch = |n: u32| self.nodes.binary_search(&n).ok().map(|at| at as u32);
+        let of_body = rules.fixed.iter().filter_map(|[a, b]| Some([in_patch(*a)?, in_patch(*b)?]));
+        let fixed = sorted_unique(of_body.chain(self.rim.iter().copied()));
         let place_between = |ends: [u32; 2], share| (rules.place)(ends.inline_map(|n| self.nodes[n as usize]), share);
         let new =
-            new_mesh(&self.mesh, &OutlineRules { kept: &kept_nodes, fixed: &self.rim, place: &place_between }, None)?;
+            new_mesh(&self.mesh, &OutlineRules { kept: &kept_nodes, fixed: &fixed, place: &place_between }, None)?;
         self.joined(old, &new)
     }
 

@@ -292,7 +292,7 @@ impl MeshChange<'_> {
         let velocities = transfer.velocities(&motion, (&masses, revision.unchanged), &fixed);
         let arrived = BodyMotion { masses, velocities };
         let (after, mass) = (transfer.new_mesh(), arrived.node_masses(transfer.new_mesh()));
-        let points = self.point_masses();
+        let attached = [self.point_masses(), self.masses_of_others()].concat();
         let nodes = &mut self.state.dofs.nodes;
         for (i, n) in self.body.nodes.iter().enumerate() {
             let ([r, z], [v_r, v_z]) = (after.points[i], arrived.velocities[i]);
@@ -300,8 +300,8 @@ impl MeshChange<'_> {
             (nodes.mass[*n], nodes.inverse_mass[*n]) = (mass[i], 1.0 / mass[i]);
         }
         let unchanged = self.copy_unchanged_nodes();
-        for (n, mass) in points.into_iter().filter(|(n, _)| !unchanged.contains(n)) {
-            self.add_point_mass(n, mass);
+        for (n, mass) in attached.into_iter().filter(|(n, _)| !unchanged.contains(n)) {
+            self.add_mass(n, mass);
         }
     }
 
@@ -330,8 +330,23 @@ impl MeshChange<'_> {
         of_node.filter_map(|(n, mass)| Some((*n.filter(|n| is_of_body(n))?, mass))).collect()
     }
 
-    /// Adds a point mass to a node of the new mesh. Its momentum is that on the old mesh.
-    fn add_point_mass(&mut self, n: usize, point: f64) {
+    /// Returns the masses at nodes of the body of elements outside it.
+    fn masses_of_others(&self) -> Vec<(usize, f64)> {
+        let Some(remesh) = &self.plan.remesh else { return Vec::new() };
+        let shared = remesh.model.remeshings[self.mesh.body].shared.iter();
+        let shared: FxHashSet<usize> =
+            shared.filter_map(|(node, _)| self.plan.places.nodes.get(node)).copied().collect();
+        if shared.is_empty() {
+            return Vec::new();
+        }
+        let others = self.state.elements.groups.iter().enumerate().filter(|(index, _)| *index != self.body.group);
+        let elements = others.flat_map(|(_, group)| (0..group.len()).map(move |e| (group.nodes(e), group.masses(e))));
+        let corners = elements.flat_map(|(nodes, masses)| nodes.into_iter().zip(masses.to_vec()));
+        corners.map(|(n, mass)| (n as usize, mass)).filter(|(n, _)| shared.contains(n)).collect()
+    }
+
+    /// Adds a mass that new elements do not contain to a node of the new mesh. Its momentum is that on the old mesh.
+    fn add_mass(&mut self, n: usize, point: f64) {
         let revision = self.mesh.revision;
         let parent = self.body.nodes.iter().position(|own| *own == n).map(|i| revision.parents[i][0]);
         let Some(parent) = parent.filter(|parent| *parent != INSIDE) else { return };

@@ -29,6 +29,7 @@ use crate::model::remesh::{ModelBody, movable_nodes_of_histories, required_nodes
 use crate::plan::{self, CompiledModel, FirstMesh, Plan, RemeshPlan, State};
 use crate::remesh::interpolation::{TracerPoint, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
+use crate::remesh::outline::boundary_edges;
 use crate::remesh::patch::new_patch;
 use crate::remesh::sheets::thin_elements;
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
@@ -351,7 +352,9 @@ fn body_revision(
         let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
         BodyMesh { points: Vec::clone(&points), quads, sizes }
     };
-    let (kept, old) = (of_model.kept(model), of_living(&living));
+    let shared = of_model.shared_nodes(model);
+    let (mut kept, old) = (of_model.kept(model), of_living(&living));
+    shared.iter().for_each(|n| kept[*n as usize] = true);
     let loose = loose_elements(&run.state.elements, planned.group, &old, |i| planned.elements[living[i]] as usize);
     let (living, left_out, old) =
         match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], |n| kept[n as usize]) {
@@ -369,7 +372,7 @@ fn body_revision(
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
-    if required_nodes(model).any(is_lost) {
+    if required_nodes(model).any(is_lost) || shared.iter().any(|n| !used[*n as usize]) {
         return None;
     }
     let strain = |i: usize| {
@@ -381,7 +384,7 @@ fn body_revision(
         let ends = ends.inline_map(|n| planned.nodes[n as usize]);
         run.contacts().find_map(|contact| contact.system.place_between(ends, share, &run.state.dofs))
     };
-    let rules = OutlineRules { kept: &kept, fixed: &[], place: &place_between };
+    let rules = OutlineRules { kept: &kept, fixed: &edges_between(&old, &shared), place: &place_between };
     let allows_patch = monitor.bodies[body].allows_patch() && can_have_patch(run, planned, &living);
     let patch = if allows_patch { new_patch(&old, &rules) } else { None };
     let mut new = match patch {
@@ -395,6 +398,15 @@ fn body_revision(
     new.tracers = tracers(run, model, (&of_model, &old), &new);
     new.places = if model.constraints.ties.is_empty() { Vec::new() } else { node_places(run, model) };
     Some(BodyRevision { old, living, left_out, revision: new })
+}
+
+/// Returns the edges of the boundary of a body between nodes of a list, which is in ascending order; the edges are, too.
+fn edges_between(mesh: &BodyMesh, nodes: &[u32]) -> Vec<[u32; 2]> {
+    if nodes.is_empty() {
+        return Vec::new();
+    }
+    let edges = boundary_edges(&mesh.quads).into_iter().map(|edge| edge.ends);
+    edges.filter(|ends| ends.iter().all(|n| nodes.binary_search(n).is_ok())).collect()
 }
 
 /// Returns the places of all nodes of the model.

@@ -102,4 +102,7 @@ pub struct Remeshing {
     pub limits: SizeLimits,
     /// Whether the plan has added the body: no card names it, and it keeps its mesh until that collapses.
     pub automatic: bool,
+    /// Nodes that elements of other sections use, with their places `[r, z]` at the last new mesh of the body. The mesh of the model has
+    /// the places at the start, which belong to the other elements. Empty before the first new mesh.
+    pub shared: Vec<(usize, [f64; 2])>,
 }

@@ -157,6 +157,7 @@ pub(super) fn card_of(model: &Model, section: usize) -> Remeshing {
         size: None,
         limits: SizeLimits::default(),
         automatic: true,
+        shared: Vec::new(),
     }
 }
 

@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 use crate::deck::{Diagnostic, Diagnostics};
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
-use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories, linked_nodes, single_nodes};
+use crate::model::remesh::{ModelBody, elements_at_body, kept_nodes_of_histories, linked_nodes, single_nodes};
 use crate::model::{
     AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing, SideSelection,
     SolidSection, Step, SurfaceContact,
@@ -175,9 +175,9 @@ pub(super) fn unsupported_remeshing(
         let message = format!("the mass of `{name}`, whose material has *EOS, is scaled");
         return Some((message, "give the mass scaling an ELSET without this body"));
     }
-    if is_shared(scene.model, body, &card.elements) {
-        let message = format!("elements outside `{name}` use nodes of its elements");
-        return Some((message, "separate the bodies, with contact between them"));
+    let shared = SharedNodes::new(scene, body, card, state);
+    if let Some(refusal) = shared.refusal(scene, group.properties().deletable, state) {
+        return Some((format!("elements outside `{name}` use nodes of its elements{}", refusal.0), refusal.1));
     }
     if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &body.nodes) {
         let message = format!("prescribed temperatures or field variables differ between the nodes of `{name}`");
@@ -190,6 +190,10 @@ pub(super) fn unsupported_remeshing(
     };
     let used = |node: usize| body.nodes.binary_search(&node).ok();
     let on_boundary: FxHashSet<u32> = boundaries.iter().flatten().map(|edge| edge.ends[0]).collect();
+    if shared.nodes.iter().any(|node| !on_boundary.contains(node)) {
+        let message = format!("elements outside `{name}` use a node inside it");
+        return Some((message, "separate the bodies, with contact between them"));
+    }
     if kept_nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
         let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
         return Some((message, "request only U, V, A, COORD or NT, a statistic of a set, or a node on the boundary"));
@@ -215,6 +219,47 @@ pub(super) fn unsupported_remeshing(
         .or_else(|| excluded_by_elements(scene.model, pairs, &card.elements))
         .or_else(|| excluded_by_nodes(scene, body, &used));
     exclusion.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
+}
+
+/// Nodes of a body that elements outside it use. New meshes keep them, and the edges between them.
+struct SharedNodes {
+    /// Nodes of the body, ascending.
+    nodes: Vec<u32>,
+    /// Whether all these elements are CAX4R or CAX3.
+    of_quadrilaterals: bool,
+}
+
+impl SharedNodes {
+    fn new(scene: Scene, body: &ModelBody, card: &Remeshing, state: &State) -> SharedNodes {
+        let is_quadrilateral = |element: usize| {
+            let place = scene.places.elements.get(&element);
+            let topology = place.map(|place| state.elements.groups[place.0].topology());
+            topology == Some(ElementTopology::Quadrilateral)
+        };
+        let (mut nodes, mut of_quadrilaterals) = (Vec::new(), true);
+        for (element, node) in elements_at_body(&scene.model.mesh, body, &card.elements) {
+            nodes.push(node);
+            of_quadrilaterals &= is_quadrilateral(element);
+        }
+        SharedNodes { nodes: sorted_unique(nodes), of_quadrilaterals }
+    }
+
+    /// Returns why a body with such nodes cannot have new meshes, after the statement that it has them, and what would help.
+    /// `deletable`: elements of the body may be deleted.
+    fn refusal(&self, scene: Scene, deletable: bool, state: &State) -> Option<(&'static str, &'static str)> {
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
+        let exclusions = [
+            (!self.of_quadrilaterals, ", and are not CAX4R or CAX3"),
+            (deletable, ", and elements may be deleted"),
+            (heats, ", and nodes have temperatures"),
+            (scene.model.scales_masses(), ", and masses are scaled"),
+        ];
+        let found = exclusions.into_iter().find(|(is_there, _)| *is_there);
+        found.map(|(_, what)| (what, "separate the bodies, with contact or *TIE between them"))
+    }
 }
 
 /// Returns what in the model excludes new meshes of any body.

@@ -2,7 +2,7 @@
 
 use crate::kernel::lists::sorted_unique;
 use crate::model::SolidSection;
-use crate::model::remesh::{ModelBody, is_shared};
+use crate::model::remesh::{ModelBody, elements_at_body};
 use crate::plan::meshes::adaptive::unsupported_domain;
 use crate::plan::meshes::automatic::card_of;
 use crate::plan::meshes::remesh::unsupported_remeshing;
@@ -42,7 +42,8 @@ impl MeshRenewal {
             let card = card_of(model, index);
             let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
             let refusal = unsupported_remeshing(scene, (links, pairs), &card, &body, (state, report));
-            let adapts = !is_shared(model, &body, &card.elements) && can_adapt(scene, section, &card.set, state);
+            let adapts = elements_at_body(&model.mesh, &body, &card.elements).next().is_none()
+                && can_adapt(scene, section, &card.set, state);
             renewals[group] = MeshRenewal { refusal: refusal.map(|(what, help)| format!("{what}: {help}")), adapts };
         }
         renewals

@@ -12,6 +12,7 @@ pub mod solid_properties;
 pub mod strength;
 pub mod user_material;
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
 use crate::constraint::tie::TiedNodes;
@@ -31,7 +32,7 @@ use crate::material::PointValue;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
     FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, PointMass,
-    RayleighCoefficients, SolidSection, Step,
+    RayleighCoefficients, Remeshing, SolidSection, Step,
 };
 use crate::plan::constraints::links::linked_nodes;
 use crate::plan::constraints::tie_equations::TieEquations;
@@ -95,11 +96,11 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     let (mut groups, mut ids): (Vec<Box<dyn ElementGroup>>, Vec<_>) = Default::default();
     let (mut controlled, mut damped, mut averagings, mut lengths) = <(Vec<_>, Vec<_>, Vec<_>, Vec<_>)>::default();
     for (section, elements) in &sections {
-        let Some(list) = connectivity_of(model, places, elements, &nodes, report) else { continue };
+        let nodes = &*nodes_of_mesh(model, places, elements, &nodes);
+        let Some(list) = connectivity_of(model, places, elements, nodes, report) else { continue };
         let material = &model.materials[section.material];
-        let input =
-            GroupInput { model, places, section: *section, material, elements, connectivity: &list, nodes: &nodes };
-        list.add_masses(&nodes, material.density.unwrap_or(0.0), &mut mass);
+        let input = GroupInput { model, places, section: *section, material, elements, connectivity: &list, nodes };
+        list.add_masses(nodes, material.density.unwrap_or(0.0), &mut mass);
         let Some(group) = solid_group(&input, report) else { continue };
         ids.push(place_elements(places, elements, groups.len(), (section.span, "deformable elements"), report));
         controlled.extend(distortion_control(section, elements.len(), report).map(|ratio| (groups.len(), ratio)));
@@ -197,6 +198,19 @@ fn place_nodes<'e>(
         nodes[place] = Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() };
     }
     nodes
+}
+
+/// Returns the nodes of the mesh of elements. Those that a body with a new mesh shares with other elements are at their places in this
+/// mesh.
+fn nodes_of_mesh<'n>(model: &Model, places: &SolidPlaces, elements: &[usize], nodes: &'n [Node]) -> Cow<'n, [Node]> {
+    let mut bodies = model.remeshings.iter().filter(|body| !body.shared.is_empty());
+    let has_first = |body: &&Remeshing| elements.first().is_some_and(|e| body.elements.binary_search(e).is_ok());
+    let Some(body) = bodies.find(has_first) else { return Cow::Borrowed(nodes) };
+    let mut moved = nodes.to_vec();
+    for (node, [r, z]) in &body.shared {
+        moved[places.nodes[node]] = Node { r: *r, z: *z, ..Node::default() };
+    }
+    Cow::Owned(moved)
 }
 
 /// Returns the damping factors of a section; zeros without damping.
