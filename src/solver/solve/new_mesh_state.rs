@@ -46,6 +46,12 @@ pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: Re
     run.body_forces.values.clone_from(&old.body_forces.values);
     let now = run.now;
     let (Some(remesh), old_remesh) = (&run.plan.remesh, mesh.old_plan) else { return };
+    // The groups of all bodies in the new plan carry their variables, also those that still have the mesh of the deck.
+    for body in &old_remesh.bodies {
+        if let Some(transfer) = old.state.elements.groups[body.group].transfer() {
+            transfer.prepare();
+        }
+    }
     let mut change = MeshChange {
         plan: run.plan,
         state: &mut run.state,
@@ -153,9 +159,6 @@ impl MeshChange<'_> {
     /// Moves the body to its new mesh. `places` are the old places of the nodes of other bodies.
     fn move_body(&mut self, mut places: Vec<Option<PreviousPlace>>) {
         let ReplacedMesh { old: old_mesh, living, revision, .. } = self.mesh;
-        if let Some(transfer) = self.old.elements.groups[self.old_body.group].transfer() {
-            transfer.prepare();
-        }
         let living = LivingElements::new(self.old_body, living);
         let (scaled, factors) = (living.masses(self.old), living.factors(self.old));
         let Elements { groups, mass_scaling, .. } = &mut self.old.elements;
