@@ -21,6 +21,10 @@ const SQUASHED: f64 = 1.0;
 const SEARCH: u64 = 10;
 /// Sine of an angle above 180 degrees from which a corner has turned over.
 const TURNED: f64 = 1e-6;
+/// Checks without a new mesh after the first one that could not be made, in units of the interval of checks, and how often they may
+/// double.
+const PAUSE: u64 = 5;
+const MOST_DOUBLINGS: u32 = 16;
 /// Excess of increments from which the first new mesh of a body without a card is worth its cost.
 const PRICE: f64 = 100.0;
 /// Ratio of stable time increments from which a new mesh of a body without a card has been worth its cost.
@@ -38,7 +42,7 @@ pub(super) struct MeshQuality {
     /// Excess from which a new mesh is worth its cost. Without a card only.
     price: f64,
     /// Increment before which the mesh is not checked.
-    pub(super) next: u64,
+    next: u64,
     /// Number of new meshes, and of their elements that the mesh before did not have.
     count: u64,
     new_elements: u64,
@@ -48,6 +52,8 @@ pub(super) struct MeshQuality {
     pub(super) removed_mass: f64,
     /// Whether the last mesh had new elements in a part of the body only, and no larger stable time increment.
     is_patch_useless: bool,
+    /// Number of new meshes that could not be made since the last one.
+    failures: u32,
 }
 
 impl MeshQuality {
@@ -110,12 +116,20 @@ impl MeshQuality {
         is_short && self.excess > self.price && is_squashed(elements)
     }
 
+    /// Sets the next check after a new mesh could not be made at an increment. The body keeps its mesh twice as long each time, so that
+    /// attempts do not cost more than the run.
+    pub(super) fn pause(&mut self, increment: u64, frequency: u64) {
+        self.next = increment + PAUSE * (frequency << self.failures.min(MOST_DOUBLINGS));
+        self.failures += 1;
+    }
+
     /// Begins a new mesh. `stable` are the stable time increments on the old and the new mesh.
     pub(super) fn begin_mesh(&mut self, body: &RemeshedBody, revision: &MeshRevision, stable: [f64; 2]) {
         let mesh = &revision.mesh;
         let angle = sharpest(&mesh.quads, |n| mesh.points[n as usize]);
         self.limit = body.angle.min(WORSE * angle);
         self.count += 1;
+        self.failures = 0;
         self.new_elements += (mesh.quads.len() - revision.unchanged) as u64;
         if body.automatic {
             let is_better = stable[1] > BETTER * stable[0];

@@ -41,8 +41,6 @@ use crate::variables::Variable;
 
 /// Fraction of the largest density of a body below which a failed element consists of fragments.
 const EXPANDED: f64 = 0.5;
-/// Checks without a new mesh after one could not be made, in units of the interval of checks.
-const PAUSE: u64 = 5;
 
 /// The part of a run that does not depend on its mesh.
 struct RunHistory {
@@ -247,7 +245,7 @@ pub(super) fn next_mesh(
 
 /// Keeps the mesh of a body for some time after no new one could be made. The first time is reported.
 fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
-    run.remesh.bodies[body].next = run.current.now.increment + PAUSE * remesh.bodies[body].frequency;
+    run.remesh.bodies[body].pause(run.current.now.increment, remesh.bodies[body].frequency);
     if !std::mem::replace(&mut run.remesh.reported, true) {
         let (set, time) = (&remesh.model.remeshings[body].set, run.current.now.total_time);
         let reason = if remesh.bodies[body].automatic {
