@@ -76,9 +76,16 @@ fn the_first_new_mesh_of_a_body_keeps_the_state_of_others() {
         let parts: String = bars.iter().map(|bar| bar.0.as_str()).collect();
         let materials: String = bars.iter().map(|bar| bar.1).collect();
         let speeds: String = bars.iter().map(|(_, _, (name, _, speed))| format!(" {name}.ALL, 2, {speed}\n")).collect();
-        let walls: String = bars.iter().map(|(_, _, (name, foot, _))| format!(" {name}.I0, 1\n {name}.{foot}, 2\n")).collect();
+        let walls: String =
+            bars.iter().map(|(_, _, (name, foot, _))| format!(" {name}.I0, 1\n {name}.{foot}, 2\n")).collect();
         let step = "*Step\n*Dynamic, Explicit\n , 60.e-6\n*Boundary\n";
-        let deck = parts + &assembly(&names, "") + &materials + "*Initial Conditions, type=VELOCITY\n" + &speeds + step + &walls;
+        let deck = parts
+            + &assembly(&names, "")
+            + &materials
+            + "*Initial Conditions, type=VELOCITY\n"
+            + &speeds
+            + step
+            + &walls;
         let ran = bodies::run(&(deck + "*End Step\n")).whole();
         println!("{} new meshes, drift {:.1e}", new_meshes(&ran.outcome), ran.outcome.energy.drift);
         assert_eq!(new_meshes(&ran.outcome) > 0, bars.len() > 1);

@@ -90,10 +90,10 @@ impl MeshQuality {
         }
         let elements = &run.state.elements;
         match trigger {
-            FirstMesh::Squashed(limit) => {
+            FirstMesh::Squashed(fraction) => {
                 let searches = run.now.increment % (SEARCH * AutomaticMeshes::INTERVAL) < AutomaticMeshes::INTERVAL;
-                let is_folded = searches && trigger.follows_turned_corners() && has_folded(run, group);
-                self.is_collapsed(group, limit, elements) || is_folded
+                let is_folded = searches && has_folded(run, group);
+                self.is_collapsed(group, fraction, elements) || is_folded
             }
             FirstMesh::Sharp(limit) => {
                 let smallest = smallest_sines(&*elements.groups[group], &run.state).fold(1.0, f64::min);

@@ -179,7 +179,7 @@ pub(super) fn next_mesh(
     let first = waiting.map(|waiting| waiting.remesh_plan(&old_plan.places));
     let Some(remesh) = first.as_ref().or(old_plan.remesh.as_deref()) else { return Ok(None) };
     let planned = &remesh.bodies[body];
-    let is_folded = trigger.is_some_and(FirstMesh::follows_turned_corners) && has_folded(&run.current, planned.group);
+    let is_folded = matches!(trigger, Some(FirstMesh::Squashed(_))) && has_folded(&run.current, planned.group);
     let Some(BodyRevision { old: old_mesh, living, left_out, revision }) =
         body_revision(&run.current, &run.remesh, body, remesh)
     else {

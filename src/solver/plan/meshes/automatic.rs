@@ -38,19 +38,12 @@ struct WaitingBody {
 /// When a body without a card has its first new mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FirstMesh {
-    /// Its elements are squashed, and the stable time increment is below this fraction of the largest one.
+    /// Its elements are squashed, and the stable time increment is below this fraction of the largest one; or a corner of an element
+    /// has turned over.
     Squashed(f64),
     /// A corner of its adaptive mesh has turned over; or smoothing has not kept the angles above this one, radians, and the stable
     /// time increment is below [`AutomaticMeshes::COLLAPSED_ADAPTIVE`].
     Sharp(f64),
-}
-
-impl FirstMesh {
-    /// Returns whether corners that turn over give a body its first new mesh: not in contact with faces of elements, whose
-    /// forces a new outline disturbs.
-    pub fn follows_turned_corners(self) -> bool {
-        self == FirstMesh::Squashed(AutomaticMeshes::COLLAPSED)
-    }
 }
 
 impl AutomaticMeshes {
@@ -94,13 +87,13 @@ impl AutomaticMeshes {
             if contains_any(&model.kept_meshes, &card.elements)
                 || has_needles(&model.mesh, &card.elements)
                 || adapts && has_spatial_constraints(model)
-                || renewals.get(group).is_none_or(|renewal| renewal.refusal.is_some())
+                || !renewals.get(group).is_some_and(MeshRenewal::is_automatic)
             {
                 return None;
             }
             let touches = touches_faces(pairs, &card.elements);
-            let limit = if touches { AutomaticMeshes::COLLAPSED_AT_FACES } else { AutomaticMeshes::COLLAPSED };
-            let trigger = if adapts { FirstMesh::Sharp(card.angle) } else { FirstMesh::Squashed(limit) };
+            let fraction = if touches { AutomaticMeshes::COLLAPSED_AT_FACES } else { AutomaticMeshes::COLLAPSED };
+            let trigger = if adapts { FirstMesh::Sharp(card.angle) } else { FirstMesh::Squashed(fraction) };
             Some(WaitingBody { group, section: index, trigger })
         });
         let bodies: Vec<WaitingBody> = waiting.collect();

@@ -15,9 +15,17 @@ pub struct MeshRenewal {
     pub refusal: Option<String>,
     /// Whether `*ADAPTIVE MESH` can. It does not move nodes that several bodies share.
     pub adapts: bool,
+    /// Whether elements outside the group use its nodes.
+    pub shares_nodes: bool,
 }
 
 impl MeshRenewal {
+    /// Returns whether a body may have new meshes without a card. They keep edges in common with other elements, which stretch, so that
+    /// layers became worse than on folded meshes in trials: bodies with such edges need a card.
+    pub fn is_automatic(&self) -> bool {
+        self.refusal.is_none() && !self.shares_nodes
+    }
+
     /// Finds the cards for each element group. The list is empty if the model has `*REMESH` or errors, or if all time
     /// increments are fixed: none collapses.
     pub fn plan(
@@ -31,8 +39,8 @@ impl MeshRenewal {
         if !model.remeshings.is_empty() || report.diagnostics.has_errors() || is_fixed {
             return Vec::new();
         }
-        let neither =
-            MeshRenewal { refusal: Some("its section or material cannot have a new mesh".into()), adapts: false };
+        let refusal = Some("its section or material cannot have a new mesh".into());
+        let neither = MeshRenewal { refusal, ..MeshRenewal::default() };
         let mut renewals = vec![neither; state.elements.groups.len()];
         for (index, section) in model.sections.iter().enumerate() {
             let first = section.elements.first().and_then(|element| scene.places.elements.get(element));
@@ -42,9 +50,10 @@ impl MeshRenewal {
             let card = card_of(model, index);
             let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
             let refusal = unsupported_remeshing(scene, (links, pairs), &card, &body, (state, report));
-            let adapts = elements_at_body(&model.mesh, &body, &card.elements).next().is_none()
-                && can_adapt(scene, section, &card.set, state);
-            renewals[group] = MeshRenewal { refusal: refusal.map(|(what, help)| format!("{what}: {help}")), adapts };
+            let shares_nodes = elements_at_body(&model.mesh, &body, &card.elements).next().is_some();
+            let adapts = !shares_nodes && can_adapt(scene, section, &card.set, state);
+            let refusal = refusal.map(|(what, help)| format!("{what}: {help}"));
+            renewals[group] = MeshRenewal { refusal, adapts, shares_nodes };
         }
         renewals
     }
