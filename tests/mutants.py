@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Mutation testing of numerics and solver: tests/mutants.py COUNT SEED [JOBS]
+"""Mutation testing of numerics and solver: tests/mutants.py COUNT SEED [JOBS], or tests/mutants.py --like REGEX [JOBS]
 
-Compiles COUNT random mutants of cargo-mutants into one build: a function has its original body and the mutated ones, and the
-environment variable REVOLVE_MUTANT selects one. Each test runs once without mutant, which measures its time and records the
-mutants whose function it calls. Then each mutant runs these tests, the shortest first, until one fails. A mutant that does not
-compile is not judged. Needs cargo-mutants (`cargo install cargo-mutants --version 27.1.0 --locked`). All files are in
-target/mutants; results.txt has the result of each mutant and is continued after an interruption.
+Compiles COUNT random mutants of cargo-mutants, or those whose names match, into one build: a function has its original body and
+the mutated ones, and the environment variable REVOLVE_MUTANT selects one. Each test runs once without mutant, which measures its
+time and records the mutants whose function it calls. Then each mutant runs these tests, the shortest first, until one fails. A
+mutant that does not compile is not judged. Needs cargo-mutants (`cargo install cargo-mutants --version 27.1.0 --locked`). All files
+are in target/mutants; results_*.txt have the result of each mutant and are continued after an interruption.
 """
 
 import json
@@ -141,13 +141,20 @@ def run(test, environment, timeout):
 
 
 def measure(test):
-    """Returns the time of a test, the mutants that it reaches, and whether it passes without mutant."""
+    """Returns the time of a test, the mutants that it reaches, and whether it passes without mutant.
+
+    The results for an unchanged program are kept.
+    """
     path = WORK / "reached" / re.sub(r"\W", "_", f"{Path(test[0]).name}_{test[2]}")
-    path.unlink(missing_ok=True)
-    start = time.monotonic()
-    passed = run(test, {"REVOLVE_REACHED": str(path)}, 1800)
-    reached = {int(number) for number in path.read_text().split()} if path.exists() else set()
-    return time.monotonic() - start, reached, passed, test
+    known = path.with_suffix(".json")
+    if not known.exists() or known.stat().st_mtime < Path(test[0]).stat().st_mtime:
+        path.unlink(missing_ok=True)
+        start = time.monotonic()
+        passed = run(test, {"REVOLVE_REACHED": str(path)}, 1800)
+        reached = sorted({int(number) for number in path.read_text().split()}) if path.exists() else []
+        known.write_text(json.dumps([time.monotonic() - start, reached, passed]))
+    seconds, reached, passed = json.loads(known.read_text())
+    return seconds, set(reached), passed, test
 
 
 def judge(number, mutant, measured, results):
@@ -158,12 +165,30 @@ def judge(number, mutant, measured, results):
         if not run(test, {"REVOLVE_MUTANT": str(number)}, 60 + 10 * seconds):
             result = f"caught by {test[2]}"
             break
+    line = f"{number}\t{mutant['name']}\t{result}\t{len(tests)} tests"
+    print(line, flush=True)
     with results.open("a") as file:
-        file.write(f"{number}\t{mutant['name']}\t{result}\t{len(tests)} tests\n")
+        file.write(f"{line}\n")
+
+
+def select(places, arguments):
+    """Returns the mutants by number, and the name of the file of results."""
+    if arguments[0] == "--like":
+        found = [place for place in places if re.search(arguments[1], place["name"])]
+        return dict(enumerate(found)), "results_" + re.sub(r"\W+", "_", arguments[1])[:80] + ".txt"
+    count, seed = int(arguments[0]), int(arguments[1])
+    return dict(enumerate(random.Random(seed).sample(places, count))), f"results_{count}_{seed}.txt"
+
+
+def read_results(results, mutants):
+    """Returns the lines of results of these mutants by number."""
+    lines = results.read_text().splitlines() if results.exists() else []
+    of_number = {int(line.split("\t")[0]): line for line in lines}
+    return {number: line for number, line in of_number.items() if number in mutants and mutants[number]["name"] == line.split("\t")[1]}
 
 
 def main():
-    count, seed, jobs = int(sys.argv[1]), int(sys.argv[2]), int((sys.argv[3:] or [os.cpu_count()])[0])
+    jobs = int((sys.argv[3:] or [os.cpu_count()])[0])
     (WORK / "reached").mkdir(parents=True, exist_ok=True)
     listed = WORK / "list.json"
     sources = [path for folder in ("numerics", "solver") for path in (ROOT / "src" / folder).rglob("*.rs")]
@@ -171,8 +196,8 @@ def main():
         command = "cargo mutants --list --json --package revolve-numerics --package revolve-solver".split()
         listed.write_bytes(subprocess.check_output(command, cwd=ROOT))
     places = [mutant for mutant in json.loads(listed.read_text()) if mutant["function"]]
-    mutants = dict(enumerate(random.Random(seed).sample(places, count)))
-    programs = build(mutants, count)
+    mutants, name = select(places, sys.argv[1:])
+    programs = build(mutants, len(mutants))
     tests = []
     for program, folder in programs:
         names = subprocess.check_output([program, "--list"], cwd=folder, text=True).splitlines()
@@ -184,14 +209,14 @@ def main():
             print(f"fails without mutant, left out: {test[2]}")
     measured = [entry for entry in measured if entry[2] and entry[1]]
     print(f"{len(mutants)} mutants, {len(measured)} of {len(tests)} tests reach one", flush=True)
-    results = WORK / f"results_{count}_{seed}.txt"
-    known = {line.split("\t")[0] for line in results.read_text().splitlines()} if results.exists() else set()
+    results = WORK / name
+    known = read_results(results, mutants)
     with ThreadPoolExecutor(jobs) as pool:
-        list(pool.map(lambda number: str(number) in known or judge(number, mutants[number], measured, results), mutants))
-    lines = results.read_text().splitlines()
+        list(pool.map(lambda number: number in known or judge(number, mutants[number], measured, results), mutants))
+    lines = read_results(results, mutants).values()
     missed = [line for line in lines if "\tmissed\t" in line]
-    print("\n".join(missed))
-    print(f"seed {seed}: caught {len(lines) - len(missed)}, missed {len(missed)} of {len(lines)} mutants that compile")
+    print("missed:", *missed, sep="\n")
+    print(f"{name}: caught {len(lines) - len(missed)}, missed {len(missed)} of {len(lines)} mutants that compile")
     sys.exit(10 * len(missed) > len(lines))
 
 

@@ -84,6 +84,15 @@ pub fn pairs(settings: &[(&str, &str)]) -> Vec<(String, String)> {
 pub struct RecordedOutput {
     pub rows: Vec<(f64, Vec<f64>)>,
     pub frames: Vec<OutputFrame>,
+    /// Names of the columns of the rows; empty if the output was not created for a job.
+    pub columns: Vec<String>,
+}
+
+impl RecordedOutput {
+    /// Creates an empty output with the names of the columns of a job.
+    pub fn of(prepared: &PreparedJob) -> RecordedOutput {
+        RecordedOutput { columns: prepared.plan.column_names(), ..RecordedOutput::default() }
+    }
 }
 
 impl Sink for RecordedOutput {
@@ -111,7 +120,7 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
 /// Runs a deck text in memory.
 pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outcome, RecordedOutput) {
     let prepared = prepared(text, settings, routines);
-    let mut memory = RecordedOutput::default();
+    let mut memory = RecordedOutput::of(&prepared);
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     (outcome, memory)
 }

@@ -271,8 +271,13 @@ fn viscosity_dissipates_energy() {
 /// elements over r. Node sets and surfaces LOW and TOP are the outer faces, BELOW and ABOVE the inner ones; the elements
 /// are in the sets LOWER and UPPER. Nodes of the inner faces are 100 + i and 200 + i.
 pub(super) fn rings(n: usize, m: usize) -> String {
+    rings_from(1.0, [n, m])
+}
+
+/// Returns the [`rings`] with this inner radius.
+fn rings_from(inner: f64, [n, m]: [usize; 2]) -> String {
     let mut text = String::from("*Node, nset=ALL\n");
-    let radius = |i: usize, n: usize| 1.0 + i as f64 / n as f64;
+    let radius = |i: usize, n: usize| inner + i as f64 / n as f64;
     for (first, count, z) in [(1, n, 0.0), (100, n, 1.0), (200, m, 1.0), (300, m, 2.0)] {
         for i in 0..=count {
             writeln!(text, " {}, {:.17e}, {z}", first + i, radius(i, count)).expect("text");
@@ -420,6 +425,34 @@ fn increment_follows_from_the_masses_of_the_nodes() {
     assert_close("traction", mean(&text, &memory, "S22@501"), 2.0, 5e-3);
 }
 
+/// Nodes whose motion along one axis is prescribed move along the other one with the same masses: the bound remains. Where
+/// both are prescribed, or the node is on the axis of symmetry, the stiffness of the interface does not matter.
+#[test]
+fn only_free_motions_bound_the_increment() {
+    let increments = |stiffness: f64, (inner, count): (f64, usize), held: &str| {
+        let law = format!("*Elastic, type=TRACTION\n {stiffness:e}, {stiffness:e}\n");
+        let mesh = rings_from(inner, [count; 2]) + &layer(100, 200, count, &law);
+        let [low, high] = [100 + count, 200 + count];
+        let sets = format!(
+            "*Nset, nset=FACES, generate\n 100, {low}\n 200, {high}\n*Nset, nset=OUTER, generate\n 101, {low}\n 201, \
+             {high}\n*Nset, nset=INNER\n 100, 200\n"
+        );
+        let text = pressed(&(mesh + &sets), -2.0).replace("*Boundary\n", &format!("*Boundary\n{held}"));
+        let (outcome, memory) = run(&text);
+        assert_eq!(outcome.halt, None, "{held}");
+        assert!(last(&text, &memory, "ETOTAL").abs() < 1e-9 * last(&text, &memory, "ALLWK"), "{held}");
+        outcome.increments
+    };
+    let (thick, solid) = ((1.0, 3), (0.0, 3));
+    let free = increments(1e7, thick, "");
+    assert_eq!([increments(1e7, thick, " FACES, 1\n"), increments(1e7, thick, " FACES, 2\n")], [free; 2]);
+    for (body, held) in [(thick, " FACES, 1, 2\n"), (solid, " INNER, 2\n OUTER, 1, 2\n")] {
+        let [stiff, soft] = [1e7, 1e3].map(|stiffness| increments(stiffness, body, held));
+        assert_eq!(stiff, soft, "{held}");
+        assert!(2 * stiff < free, "{stiff} {free}");
+    }
+}
+
 #[test]
 fn mass_scaling_of_the_bodies_raises_the_bound() {
     let stiff = "*Elastic, type=TRACTION\n 1e7, 1e7\n";
@@ -434,16 +467,41 @@ fn mass_scaling_of_the_bodies_raises_the_bound() {
 }
 
 /// Unit plate: thickness, density and bending stiffness are 1.
-pub(super) const RATIO: f64 = 0.3;
-pub(super) const YOUNG: f64 = 12.0 * (1.0 - RATIO * RATIO);
+const RATIO: f64 = 0.3;
+const YOUNG: f64 = 12.0 * (1.0 - RATIO * RATIO);
 /// Shear stiffness 5/6 G h.
 const SHEAR: f64 = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + RATIO));
 pub(super) const ENERGY: f64 = 1e-10;
 /// Stiffness of the interface.
 pub(super) const FOUNDATION: f64 = 4.0;
 
-/// Returns a plate of shells with nodes at these radii, bonded from the node `first` on to a fixed base. Elements that
-/// are shorter than `coarse` have a density that gives them the increment of this length; they hardly move.
+/// Returns the shells of a plate with nodes at these radii, in the set BONDED from the element `first` on and in FREE before.
+/// Elements that are shorter than `coarse` have a density that gives them the increment of this length; they hardly move.
+/// Neighbours of the same density share a section, so that they are computed together.
+pub(super) fn plate_shells(radii: &[f64], first: usize, coarse: f64) -> String {
+    let mut text = String::new();
+    let (mut section, mut density) = (0, 0.0);
+    for (i, pair) in radii.windows(2).enumerate() {
+        let (element, set) = (i + 1, if i < first { "FREE" } else { "BONDED" });
+        writeln!(text, "*Element, type=SAX1, elset={set}\n {element}, {element}, {}", i + 2).expect("text");
+        let own_density = (coarse / (pair[1] - pair[0])).powi(2).max(1.0);
+        if (own_density - density).abs() < 1e-9 * density {
+            writeln!(text, "*Elset, elset=E{section}\n {element}").expect("text");
+            continue;
+        }
+        (section, density) = (i, own_density);
+        write!(
+            text,
+            "*Elset, elset=E{i}\n {element}\n*Shell section, elset=E{i}, material=M{i}\n 1., 3\n*Material, \
+             name=M{i}\n*Density\n {density:e},\n*Elastic\n {YOUNG:.17e}, {RATIO}\n"
+        )
+        .expect("text");
+    }
+    text
+}
+
+/// Returns a plate of shells with nodes at these radii, bonded from the node `first` on to a fixed base; see
+/// [`plate_shells`].
 fn bonded_plate(radii: &[f64], first: usize, coarse: f64, load: &str, time: f64, outputs: &str) -> String {
     let mut text = String::from("*Node\n");
     for (i, r) in radii.iter().enumerate() {
@@ -453,19 +511,7 @@ fn bonded_plate(radii: &[f64], first: usize, coarse: f64, load: &str, time: f64,
         }
     }
     let count = radii.len();
-    for (i, pair) in radii.windows(2).enumerate() {
-        let length = pair[1] - pair[0];
-        let set = if i < first { "FREE" } else { "BONDED" };
-        writeln!(text, "*Element, type=SAX1, elset={set}\n {}, {}, {}", i + 1, i + 1, i + 2).expect("text");
-        let density = (coarse / length).powi(2).max(1.0);
-        write!(
-            text,
-            "*Elset, elset=E{i}\n {}\n*Shell section, elset=E{i}, material=M{i}\n 1., 3\n*Material, name=M{i}\n*Density\n \
-             {density:e},\n*Elastic\n {YOUNG:.17e}, {RATIO}\n",
-            i + 1
-        )
-        .expect("text");
-    }
+    text += &plate_shells(radii, first, coarse);
     text += "*Element, type=COHAX4, elset=COH\n";
     for i in first..count - 1 {
         let base = i + 10_001;

@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use super::cohesive::{
-    ELASTIC, ENERGY, FOUNDATION, QUADS, RATIO, RING, YOUNG, assert_close, assert_reported, edge_separation, layer,
-    mean, radii, rings,
+    ELASTIC, ENERGY, FOUNDATION, QUADS, RING, assert_close, assert_reported, edge_separation, layer, mean,
+    plate_shells, radii, rings,
 };
 use crate::common::prepared;
 use crate::common::solid::{column, last, run};
@@ -401,20 +401,7 @@ fn bonded_plate(radii: &[f64], first: usize, coarse: f64, (is_hard, time): (bool
     for (i, r) in radii.iter().enumerate() {
         writeln!(text, " {}, {r:.17e}, 0.", i + 1).expect("text");
     }
-    for (i, pair) in radii.windows(2).enumerate() {
-        let set = if i < first { "FREE" } else { "BONDED" };
-        let density = (coarse / (pair[1] - pair[0])).powi(2).max(1.0);
-        write!(
-            text,
-            "*Element, type=SAX1, elset={set}\n {}, {}, {}\n*Elset, elset=E{i}\n {}\n*Shell section, elset=E{i}, \
-             material=M{i}\n 1., 3\n*Material, name=M{i}\n*Density\n {density:e},\n*Elastic\n {YOUNG:.17e}, {RATIO}\n",
-            i + 1,
-            i + 1,
-            i + 2,
-            i + 1
-        )
-        .expect("text");
-    }
+    text += &plate_shells(radii, first, coarse);
     let (count, [from, to]) = (radii.len(), [radii[first], radii[radii.len() - 1]]);
     for i in 0..=4 {
         writeln!(text, "*Node\n {}, {:.17e}, 0.", 20_001 + i, from + (to - from) * f64::from(i) / 4.0).expect("text");

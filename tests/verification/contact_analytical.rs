@@ -243,3 +243,63 @@ fn eroded_bar_does_not_pass_an_analytical_plane() {
     assert!(deleted > n, "rows above the first are deleted: {deleted}");
     assert!(lowest > -1e-9, "{lowest}");
 }
+
+/// Rigid disc of the thickness 1 around the plane z = 0, with reference node 9000 in set REF.
+const DISC: &str = "*Node, nset=REF\n 9000, 0., 0.\n*Surface, type=SEGMENTS, name=DISC\n START, 0., 0.5\n LINE, 2.5, 0.5\n LINE, 2.5, \
+                    -0.5\n LINE, 0., -0.5\n*Rigid Body, ref node=9000, analytical surface=DISC\n";
+
+/// Returns a square ring of one element of the size 0.1 with its lower edge from r = `from[0]` at z = `from[1]`.
+fn square_ring(name: &str, first: usize, [r, z]: [f64; 2]) -> String {
+    let [outer, top] = [r + 0.5, z + 0.1];
+    format!(
+        "*Node, nset={name}\n {first}, {r}, {z}\n {}, {outer}, {z}\n {}, {outer}, {top}\n {}, {r}, {top}\n*Element, type=CAX4R, \
+         elset={name}\n {first}, {first}, {}, {}, {}\n*Solid Section, elset={name}, material=M\n",
+        first + 1,
+        first + 2,
+        first + 3,
+        first + 1,
+        first + 2,
+        first + 3
+    )
+}
+
+/// Runs bodies at the disc, and checks that nodes of set B which rest on it at the start are not in it after any increment.
+fn assert_stays_outside(bodies: &str, steps: &str) {
+    let deck = format!(
+        "{bodies}{DISC}*Material, name=M\n*Density\n 1.,\n*Elastic\n 1., 0.\n*Surface Interaction, name=I\n{steps}*Output, history, \
+         frequency=1\n*Node Output, nset=B\n U2\n*Node Output, nset=REF\n U2, RF2\n*End Step\n"
+    );
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let disc = column(&deck, &memory, "U2@REF");
+    for node in ["U2@11", "U2@12"] {
+        let depths = column(&deck, &memory, node).into_iter().zip(&disc).map(|(node, disc)| disc.1 - node.1);
+        let deepest = depths.fold(f64::NEG_INFINITY, f64::max);
+        assert!(deepest < 1e-12, "{node}: {deepest}");
+    }
+    let moves = disc.iter().any(|row| row.1 > 1e-3);
+    let presses = column(&deck, &memory, "RF2@REF").iter().any(|row| row.1.abs() > 1e-3);
+    assert!(moves || presses, "a body has hit the disc");
+}
+
+/// A free disc that is hit from below lifts a body that rests on it in the same increment, before this body moves.
+#[test]
+fn body_at_rest_on_a_disc_is_lifted_in_the_increment_of_an_impact() {
+    let bodies = square_ring("A", 1, [0.0, -0.62]) + &square_ring("B", 11, [1.5, 0.5]);
+    let steps = "*Element, type=MASS, elset=MD\n 9000, 9000\n*Mass, elset=MD\n 1.,\n*Surface, name=FACES\n A, S3\n B, S1\n\
+                 *Initial Conditions, type=VELOCITY\n A, 2, 0.1\n*Step\n*Dynamic, Explicit\n , 0.5\n*Contact Pair, \
+                 interaction=I\n FACES, DISC\n";
+    assert_stays_outside(&bodies, steps);
+}
+
+/// A shell at rest on a fixed disc is hit from above: the disc stops it in the same increment.
+#[test]
+fn shell_at_rest_on_a_disc_is_stopped_in_the_increment_of_an_impact() {
+    let bodies = square_ring("A", 1, [1.0, 0.62])
+        + "*Node, nset=B\n 11, 1., 0.55\n 12, 1.5, 0.55\n*Element, type=SAX1, elset=B\n 11, 11, 12\n*Shell Section, elset=B, \
+           material=M\n 0.1,\n";
+    let steps = "*Surface, name=FOOT\n A, S1\n*Surface, name=TOP\n B, SPOS\n*Surface, name=UNDER\n B, SNEG\n*Initial Conditions, \
+                 type=VELOCITY\n A, 2, -0.1\n*Step\n*Dynamic, Explicit\n , 0.5\n*Boundary\n REF, 2\n*Contact Pair, \
+                 interaction=I\n FOOT, TOP\n UNDER, DISC\n";
+    assert_stays_outside(&bodies, steps);
+}

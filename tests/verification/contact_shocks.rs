@@ -18,10 +18,15 @@ const COPPER: [f64; 4] = [8.93e-9, 3.94e6, 1.489, 1.99];
 const COUNT: usize = 60;
 
 fn column_of_elements(name: &str, first: usize, [from, size]: [f64; 2], count: usize) -> String {
+    wide_column(name, first, [from, size], count, 1.0)
+}
+
+/// Returns a column of elements of a radius.
+fn wide_column(name: &str, first: usize, [from, size]: [f64; 2], count: usize, radius: f64) -> String {
     let mut text = format!("*Node, nset={name}ALL\n");
     for j in 0..=count {
         let (node, z) = (first + 2 * j, from + size * j as f64);
-        writeln!(text, " {node}, 0., {z:.12e}\n {}, 1., {z:.12e}", node + 1).expect("text");
+        writeln!(text, " {node}, 0., {z:.17e}\n {}, {radius:e}, {z:.17e}", node + 1).expect("text");
     }
     writeln!(text, "*Element, type=CAX4R, elset={name}").expect("text");
     for j in 0..count {
@@ -117,6 +122,36 @@ fn impacts_on_rigid_surfaces_have_the_pressure_of_the_hugoniot() {
             }
         }
     }
+}
+
+/// The same impact with another unit of length: lengths and velocities are multiplied, and the density is divided by the
+/// third power. The areas of the faces differ by a factor of 1e12, the increments do not.
+#[test]
+fn increments_before_an_impact_do_not_depend_on_the_unit_of_length() {
+    let increments = |unit: f64| {
+        let in_unit = |[density, c0, s, gamma]: [f64; 4]| [density / (unit * unit * unit), c0 * unit, s, gamma];
+        let [moving, target] = [ALUMINIUM, TUNGSTEN].map(in_unit);
+        let ([gap, size], speed) = ([0.4, 0.1].map(|length| length * unit), 2.4e6 * unit);
+        let column = |name: &str, first: usize, from: f64| wide_column(name, first, [from, size], 20, unit);
+        let text = column("A", 1, gap)
+            + &metal("A", moving)
+            + &column("B", 10_001, -20.0 * size)
+            + &metal("B", target)
+            + &format!(
+                "*Elset, elset=AB\n 1,\n*Elset, elset=BT\n 10020,\n*Surface, name=FOOT\n AB, S1\n*Surface, name=TOP\n BT, \
+                 S3\n*Surface Interaction, name=I\n*Initial Conditions, type=VELOCITY\n AALL, 2, {:e}\n*Step\n*Dynamic, \
+                 Explicit\n , 3e-7\n*Boundary\n AALL, 1, 1\n BALL, 1, 1\n*Contact Pair, interaction=I\n FOOT, TOP\n*End \
+                 Step\n",
+                -speed
+            );
+        let (outcome, _) = run(&text);
+        assert_eq!(outcome.halt, None, "{unit}");
+        outcome.increments
+    };
+    let [small, usual, large] = [1.0 / 1024.0, 1.0, 1024.0].map(increments);
+    assert_eq!([small, large], [usual; 2]);
+    // From three increments before the contact to four transit times after it, at least ten increments per transit time.
+    assert!(usual > 40 + 10, "{usual}");
 }
 
 /// Equal bars exchange their velocities in an elastic impact. The impact is slow, so that each law is linear. Bar: 7 % of

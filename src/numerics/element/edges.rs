@@ -120,3 +120,36 @@ impl<S: Simd> EdgeLimit<Pack<S>> {
         square.any_less(first.if_less(second, second, first))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Yield stress, von Mises stress at the centre, stress fraction that damage leaves, and ratio of the returned stress.
+    const CASES: [[f64; 4]; 4] =
+        [[300.0, 0.0, 1.0, 1.0], [300.0, 200.0, 1.0, 0.8], [0.02, 0.0199, 1.0, 0.3], [4e8, 4e8, 0.5, 0.6]];
+
+    /// The von Mises stress of a field is the fraction that returns, and at most that of the plastic moment of a
+    /// rectangular section under an axial force, 1.5 Y (1 - (q/Y)²) and not below a twentieth of it. Each field has its own
+    /// limit, in any unit of stress.
+    #[test]
+    fn each_field_is_limited_to_the_plastic_moment() {
+        for [yielding, mises, share, returned] in CASES {
+            let limit = EdgeLimit::new(mises, yielding, share, returned);
+            let moment = 1.5 * share * yielding * (1.0 - (mises / yielding).powi(2)).max(0.05);
+            let sizes = [0.1, 0.99, 1.01, 30.0].map(|part| part * moment / returned);
+            for [first, second] in sizes.iter().flat_map(|&first| sizes.map(|second| [first, second])) {
+                // Pure tension, and pure shear with the von Mises stress √3 times the shear stress.
+                let stress = [[0.0, -first], [second / 3.0_f64.sqrt(), -second / 3.0_f64.sqrt()]];
+                let limited = limit.apply(stress, stress.map(EdgeLimit::square));
+                for (trial, [direct, hoop]) in [first, second].into_iter().zip(limited) {
+                    let size = (direct * direct - direct * hoop + hoop * hoop).sqrt();
+                    let expected = moment.min(returned * trial);
+                    assert!((size / expected - 1.0).abs() < 1e-12, "{first} {second}: {size} {expected}");
+                }
+                assert_eq!(limited[0][0], 0.0);
+                assert_eq!(limited[1][0], -limited[1][1]);
+            }
+        }
+    }
+}

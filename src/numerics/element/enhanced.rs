@@ -233,3 +233,78 @@ impl AssumedStrains<'_> {
         [[returned * t_a, returned * h_a], [returned * t_c, returned * h_c]]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::constants::HourglassControl;
+    use super::super::group::{ElementGroup as _, ElementPass};
+    use super::super::quad::QuadGroup;
+    use super::*;
+    use crate::kernel::bulk_viscosity::BulkViscosity;
+    use crate::kernel::{assumed, quad};
+    use crate::material::plasticity::ElasticOnly;
+    use crate::material::volumetric::ConstantBulkModulus;
+    use crate::material::von_mises::VonMises;
+    use crate::routines::PointRoutines;
+    use crate::state::Instant;
+    use crate::state::nodes::{Node, NodeAccelerations};
+
+    const SQUARE: [[f64; 2]; 4] = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
+    const MODULI: [f64; 2] = [3e3, 1e3];
+
+    /// Returns the force on a corner along an axis that acts after an increment in which only this corner moves, along
+    /// this axis with velocity 1. The element was a square of density 2 at the start.
+    fn force(corners: [[f64; 2]; 4], [corner, axis]: [usize; 2], dt: f64, enhanced: f64) -> f64 {
+        let hourglass = HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: false, enhanced };
+        let [bulk, shear] = MODULI;
+        let bulk_viscosity = BulkViscosity::NONE;
+        let constants =
+            ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
+        let at_rest = |[r, z]: [f64; 2]| Node { r, z, ..Node::default() };
+        let material = VonMises::new(ElasticOnly, ConstantBulkModulus);
+        let mut quads = QuadGroup::new(material, constants, 2.0, &[[0, 1, 2, 3]], &SQUARE.map(at_rest));
+        let mut nodes = corners.map(at_rest);
+        *[&mut nodes[corner].v_r, &mut nodes[corner].v_z][axis] = 1.0;
+        let mut forces = vec![[[[0.0; LANES]; 2]; 4]];
+        quads.update(ElementPass {
+            nodes: &nodes,
+            dt,
+            before: NodeAccelerations::default(),
+            now: &Instant::default(),
+            threads: false,
+            user: PointRoutines::default(),
+            corners: &mut forces,
+            tiles: None,
+            dilation_correction: None,
+            prefetches: false,
+        });
+        forces[0][corner][axis][0]
+    }
+
+    /// The trace of the stiffness of assumed strains over the masses is that of their plane stress moduli, and at most half of
+    /// the squared frequency bound of the strains (4.7), which it reaches in folded elements. Tolerance: rounding of forces
+    /// over an increment of 1e-6.
+    #[test]
+    fn folded_elements_have_half_of_the_frequency_bound() {
+        let (masses, [bulk, shear], dt) = (quad::corner_masses(SQUARE, 2.0), MODULI, 1e-6);
+        let mut limited = 0;
+        // Both upper corners move along their edge, and past each other.
+        for inward in [0.0, 0.3, 0.6, 0.7, 0.8, 0.9] {
+            let corners = [SQUARE[0], SQUARE[1], [2.0 - inward, 1.0], [1.0 + inward, 1.0]];
+            let dofs = (0..4).flat_map(|corner| [[corner, 0], [corner, 1]]);
+            let stiffness = |dof| (force(corners, dof, dt, 0.0) - force(corners, dof, dt, 1.0)) / dt;
+            let trace: f64 = dofs.clone().map(|dof| stiffness(dof) / masses[dof[0]]).sum();
+            let matrix = assumed::stiffness(corners, MODULI);
+            let own: f64 =
+                dofs.map(|[corner, axis]| matrix[2 * corner + axis][2 * corner + axis] / masses[corner]).sum();
+            let g = quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1]));
+            let squares = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
+            let bound = (bulk + 4.0 / 3.0 * shear) * UNIT * (0..4).map(squares).sum::<f64>() / g.volume;
+            let expected = own.min(0.5 * bound);
+            println!("{inward}: {:.4} of the bound, without limit {:.4}", trace / bound, own / bound);
+            assert!((trace / expected - 1.0).abs() < 1e-4, "{inward}: {trace} {expected}");
+            limited += usize::from(own > 0.5 * bound);
+        }
+        assert!((1..6).contains(&limited), "{limited}");
+    }
+}
