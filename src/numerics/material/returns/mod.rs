@@ -15,6 +15,7 @@ pub mod eos_solid;
 pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
+pub mod lane_roots;
 pub mod law;
 pub mod path;
 pub mod porous_metal;
@@ -30,7 +31,8 @@ use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
 use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
-use law::{ReturnPoint, StressReturn, TrialStress, contraction};
+use lane_roots::Flags;
+use law::{LaneLaw, ReturnPoint, StressReturn, TrialStress, contraction, returned};
 
 /// Material of a law that returns an elastic trial stress.
 pub struct ReturnMaterial {
@@ -87,7 +89,7 @@ impl Material for ReturnMaterial {
         if strain.dt == 0.0 {
             return;
         }
-        let mut points = ReturnedPoints::begin(moduli, strain);
+        let mut points = ReturnedPoints::begin(moduli, strain, &state.active);
         self.return_points(state, strain, &mut points);
         update.deleted += points.finish(stress, strain, update, self.law.holds_pressure());
     }
@@ -135,7 +137,10 @@ pub fn characteristic_length(area: f64, corners: [[f64; 4]; 2]) -> f64 {
 const MOST_STATES: usize = 16;
 
 /// Trial stresses of the points of a block, then the results of the law.
-struct ReturnedPoints {
+pub struct ReturnedPoints {
+    /// Lanes with an active element, and those of them that a law has not updated.
+    live: Flags,
+    open: Flags,
     pressure: Lanes,
     deviator: [Lanes; 4],
     mises: Lanes,
@@ -153,19 +158,49 @@ struct ReturnedPoints {
 impl ReturnedPoints {
     /// Computes the trial stresses.
     #[inline(always)] // Likewise.
-    fn begin(moduli: ElasticModuli, strain: &StrainIncrement) -> ReturnedPoints {
+    fn begin(moduli: ElasticModuli, strain: &StrainIncrement, active: &Lanes) -> ReturnedPoints {
+        let mut live = [0; LANES];
+        for l in 0..LANES {
+            live[l] = u64::from(active[l] > 0.0) & u64::from(l < strain.count);
+        }
         let [pressure, mises, zero] = [[0.0; LANES]; 3];
         let (deviator, none) = ([zero; 4], [zero; 4]);
         let [bulk, shear, kept] = [[moduli.bulk; LANES], [moduli.shear; LANES], [1.0; LANES]];
         let (stress, plastic, compacted, lost) = (none, none, zero, zero);
         let mut points =
-            ReturnedPoints { pressure, deviator, mises, stress, plastic, compacted, lost, bulk, shear, kept };
+            ReturnedPoints { live, open: live, pressure, deviator, mises, stress, plastic, compacted, lost, bulk, shear, kept };
         for l in 0..LANES {
             let trial = TrialStress::elastic(column(&strain.carried, l), column(&strain.strain, l), moduli);
             put_column(&mut points.deviator, l, trial.deviator);
             (points.pressure[l], points.mises[l]) = (trial.pressure, trial.mises);
         }
         points
+    }
+
+    /// Returns the trial stress of a lane.
+    #[inline(always)] // Likewise.
+    fn trial(&self, l: usize) -> TrialStress {
+        TrialStress { pressure: self.pressure[l], deviator: column(&self.deviator, l), mises: self.mises[l] }
+    }
+
+    /// Sets the stress of a lane like [`ReturnPoint::return_to_deviator`].
+    #[inline(always)] // Likewise.
+    fn return_to_deviator(&mut self, l: usize, pressure: f64, deviator: [f64; 4], dilation: f64) {
+        let (stress, plastic) =
+            returned(column(&self.deviator, l), (pressure, deviator), dilation, 1.0 / (2.0 * self.shear[l]));
+        let is_live = self.live[l] == 1;
+        put_column(&mut self.stress, l, stress.inline_map(|part| if is_live { part } else { 0.0 }));
+        put_column(&mut self.plastic, l, plastic.inline_map(|part| if is_live { part } else { 0.0 }));
+    }
+
+    /// Sets the stresses of a block to the trial, except in lanes that remain open.
+    #[inline(always)] // Likewise.
+    fn stay_elastic(&mut self, open: &Flags) {
+        for l in 0..LANES {
+            let TrialStress { pressure, deviator, .. } = self.trial(l);
+            self.return_to_deviator(l, pressure, deviator, 0.0);
+            self.open[l] = open[l];
+        }
     }
 
     /// Stores stresses, moduli and energies of the block. Returns the number of deleted points. The recoverable energy of a
@@ -220,27 +255,37 @@ impl ReturnedPoints {
 
 impl ReturnMaterial {
     /// Evaluates the law at the points of active elements.
+    #[inline(always)] // Compiled for the instruction set of the machine.
     fn return_points(&self, state: &mut ReturnState, strain: &StrainIncrement, points: &mut ReturnedPoints) {
+        for l in 0..LANES {
+            state.angle[l] += if points.live[l] == 1 { strain.spin[l] } else { 0.0 };
+        }
+        match self.law.lanes() {
+            LaneLaw::None => (),
+            LaneLaw::DruckerPrager(law) => law.return_lanes(&mut state.states, points),
+        }
+        if points.open.contains(&1) {
+            self.return_open_points(state, strain, points);
+        }
+    }
+
+    /// Evaluates the law point by point.
+    #[inline(never)]
+    fn return_open_points(&self, state: &mut ReturnState, strain: &StrainIncrement, points: &mut ReturnedPoints) {
         let moduli = self.law.moduli();
         let mut values = [0.0; MOST_STATES];
         let values = &mut values[..state.states.len()];
         for l in 0..strain.count {
-            if state.active[l] == 0.0 {
+            if points.open[l] == 0 {
                 continue;
             }
             for (value, list) in values.iter_mut().zip(&state.states) {
                 *value = list[l];
             }
-            state.angle[l] += strain.spin[l];
-            let trial = TrialStress {
-                pressure: points.pressure[l],
-                deviator: column(&points.deviator, l),
-                mises: points.mises[l],
-            };
             let mut point = ReturnPoint {
                 strain: column(&strain.strain, l),
                 carried: column(&strain.carried, l),
-                trial,
+                trial: points.trial(l),
                 angle: state.angle[l],
                 dt: strain.dt,
                 length: state.length[l],
