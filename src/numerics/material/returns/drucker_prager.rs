@@ -1,9 +1,9 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
 use super::law::{LaneLaw, ReturnPoint, StressReturn, TrialStress, contraction, determinant};
-use super::lane_roots::{LaneStarts, lane_roots};
+use super::lane_roots::{LaneStarts, any, lane_roots};
+use super::points::ReturnedPoints;
 use super::root::{Start, nearby_root, nearby_state};
-use super::ReturnedPoints;
 use crate::kernel::hardening::{LinearTable, RateFactor, TableLine, TableLines};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, put_column};
 use crate::kernel::moduli::ElasticModuli;
@@ -163,25 +163,34 @@ struct PathState {
     measure: f64,
 }
 
+/// Constants of all returns of a law.
+#[derive(Clone, Copy)]
+struct ReturnConstants<'a> {
+    law: &'a DruckerPrager,
+    /// That of the law; the compiler knows its kind in loops over lanes.
+    shape: DruckerPragerShape,
+    /// Invariants of the test with a stress of 1.
+    test: Invariants,
+    /// Rate factor at rest.
+    at_rest: f64,
+    /// Rounding of the potential of the other forms than the linear one.
+    rounding: f64,
+}
+
 /// Trial stress of an increment, with what is constant on its path of return.
 #[derive(Clone, Copy)]
 struct ReturnIncrement<'a> {
-    law: &'a DruckerPrager,
-    /// That of the law; known to the compiler in loops over lanes.
-    shape: DruckerPragerShape,
+    of: ReturnConstants<'a>,
     trial: TrialStress,
     strain_before: f64,
     /// Hardening near that strain, and the strength there without flow.
     hardening: TableLine<'a>,
     strength_before: f64,
-    /// Invariants of the test with a stress of 1.
-    test: Invariants,
+    /// Inverse of the length of the increment.
     per_dt: f64,
-    /// Direction of the deviatoric flow of the linear form.
+    /// Direction of the deviatoric flow, and equivalent plastic strain per plastic multiplier, of the linear form.
     direction: [f64; 4],
-    /// Equivalent plastic strain per plastic multiplier of the linear form; rounding of the potential of the other forms.
     per_multiplier: f64,
-    rounding: f64,
 }
 
 /// Only state: equivalent plastic strain.
@@ -220,6 +229,13 @@ impl DruckerPrager {
             _ => self.eccentricity * self.hardening.value(0.0) * self.dilatancy,
         }
     }
+
+    /// Returns the constants of returns; `shape` is that of the law.
+    #[inline(always)] // Into the return of each point.
+    fn constants(&self, shape: DruckerPragerShape) -> ReturnConstants<'_> {
+        let at_rest = self.rate.as_ref().map_or(1.0, |factor| factor.at(0.0, 0.0));
+        ReturnConstants { law: self, shape, test: self.test.invariants(1.0), at_rest, rounding: self.rounding() }
+    }
 }
 
 /// Root on the path of return: where it starts, and what it does not reach.
@@ -232,52 +248,36 @@ struct ReturnWay {
 impl<'a> ReturnIncrement<'a> {
     #[inline(always)] // Into the return of each point.
     fn new(
-        law: &'a DruckerPrager,
-        shape: DruckerPragerShape,
+        of: ReturnConstants<'a>,
         trial: TrialStress,
-        (strain_before, hardening): (f64, TableLine<'a>),
+        strain_before: f64,
+        hardening: TableLine<'a>,
     ) -> ReturnIncrement<'a> {
-        let (direction, per_multiplier, rounding, test) = ([0.0; 4], 0.0, 0.0, law.test.invariants(1.0));
-        let Invariants { pressure, mises, third } = test;
-        let size = hardening.value * law.rate.as_ref().map_or(1.0, |factor| factor.at(0.0, 0.0));
-        let strength_before = shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third });
-        ReturnIncrement {
-            law,
-            shape,
-            trial,
-            strain_before,
-            hardening,
-            strength_before,
-            test,
-            per_dt: 0.0,
-            direction,
-            per_multiplier,
-            rounding,
-        }
+        let (direction, per_multiplier, per_dt) = ([0.0; 4], 0.0, 0.0);
+        let (size, Invariants { pressure, mises, third }) = (hardening.value * of.at_rest, of.test);
+        let strength_before = of.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third });
+        ReturnIncrement { of, trial, strain_before, hardening, strength_before, per_dt, direction, per_multiplier }
     }
 
     /// Returns the value of the yield function at the trial, and the size of the stress.
     #[inline(always)] // Into the return of each point.
     fn first(&self) -> [f64; 2] {
         let TrialStress { pressure, deviator, mises } = self.trial;
-        let stress = if self.shape.is_round() {
+        let stress = if self.of.shape.is_round() {
             Invariants { pressure, mises, third: 0.0 }
         } else {
-            Invariants::of(pressure, deviator, self.shape)
+            Invariants::of(pressure, deviator, self.of.shape)
         };
-        [self.shape.measure(stress) - self.strength_before, self.strength_before.abs() + pressure.abs() + mises]
+        [self.of.shape.measure(stress) - self.strength_before, self.strength_before.abs() + pressure.abs() + mises]
     }
 
-    /// Sets the flow of a stress outside the yield surface; `rounding` is that of the law.
+    /// Sets the flow of the linear form for a stress outside the yield surface.
     #[inline(always)] // Into the return of each point.
-    fn set_flow(&mut self, rounding: f64) {
-        let DruckerPragerShape::Linear { ratio, .. } = self.shape else {
-            self.rounding = rounding;
-            return;
-        };
+    fn set_flow(&mut self) {
+        let DruckerPragerShape::Linear { ratio, .. } = self.of.shape else { return };
         self.per_multiplier = self.strain_per_multiplier(ratio);
         let (s, q) = (self.trial.deviator, self.trial.mises);
-        if self.shape.is_round() {
+        if self.of.shape.is_round() {
             self.direction = s.inline_map(|part| 1.5 / q * part);
             return;
         }
@@ -296,15 +296,15 @@ impl<'a> ReturnIncrement<'a> {
     /// stress. Equation (20.9).
     #[inline(always)] // Into the return of each point.
     fn strain_per_multiplier(&self, ratio: f64) -> f64 {
-        let unit = self.test;
+        let unit = self.of.test;
         let deviatoric = if unit.third == 0.0 { 0.5 * (1.0 + 1.0 / ratio) } else { unit.measure(ratio) };
-        deviatoric - unit.pressure * self.law.dilatancy
+        deviatoric - unit.pressure * self.of.law.dilatancy
     }
 
     /// Returns the deviator of the linear form after flow with a plastic multiplier.
     #[inline(always)] // Into the return of each point.
     fn linear_deviator(&self, multiplier: f64) -> [f64; 4] {
-        let step = 2.0 * self.law.moduli.shear * multiplier;
+        let step = 2.0 * self.of.law.moduli.shear * multiplier;
         [0, 1, 2, 3].inline_map(|i| self.trial.deviator[i] - step * self.direction[i])
     }
 
@@ -312,14 +312,14 @@ impl<'a> ReturnIncrement<'a> {
     /// Mises stress. Equation (20.8).
     #[inline(always)] // Into the return of each point.
     fn state<const LINE: bool>(&self, argument: f64) -> PathState {
-        let ReturnIncrement { law, shape, trial, .. } = self;
+        let (ReturnConstants { law, shape, .. }, trial) = (self.of, self.trial);
         if let DruckerPragerShape::Linear { .. } = shape {
             let multiplier = argument;
             let pressure = trial.pressure + law.moduli.bulk * law.dilatancy * multiplier;
             let stress = if shape.is_round() {
                 Invariants { pressure, mises: trial.mises - 3.0 * law.moduli.shear * multiplier, third: 0.0 }
             } else {
-                Invariants::of(pressure, self.linear_deviator(multiplier), *shape)
+                Invariants::of(pressure, self.linear_deviator(multiplier), shape)
             };
             return PathState { pressure, hardening: multiplier * self.per_multiplier, measure: shape.measure(stress) };
         }
@@ -336,7 +336,7 @@ impl<'a> ReturnIncrement<'a> {
     /// Returns the deviator at an argument of the path.
     #[inline(always)] // Into the return of each point.
     fn deviator(&self, argument: f64) -> [f64; 4] {
-        if let DruckerPragerShape::Linear { .. } = self.shape {
+        if let DruckerPragerShape::Linear { .. } = self.of.shape {
             return self.linear_deviator(argument);
         }
         let share = argument / self.trial.mises;
@@ -346,7 +346,7 @@ impl<'a> ReturnIncrement<'a> {
     /// Returns sqrt(l0² + q²), the flow potential without the pressure, of the smooth forms.
     #[inline(always)] // Into the return of each point.
     fn potential(&self, mises: f64) -> f64 {
-        (self.rounding * self.rounding + mises * mises).sqrt()
+        (self.of.rounding * self.of.rounding + mises * mises).sqrt()
     }
 
     /// Returns the increment of the equivalent plastic strain for a plastic work. Equation (20.9).
@@ -368,21 +368,21 @@ impl<'a> ReturnIncrement<'a> {
     #[inline(always)] // Into the return of each point.
     fn strength<const LINE: bool>(&self, hardening: f64) -> f64 {
         let yield_stress = self.hardening.value_at::<LINE>(self.strain_before + hardening);
-        let factor = match &self.law.rate {
+        let factor = match &self.of.law.rate {
             Some(rate) if !LINE => rate.at(hardening * self.per_dt, 0.0),
             _ => 1.0,
         };
-        let (size, Invariants { pressure, mises, third }) = (factor * yield_stress, self.test);
-        self.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third })
+        let (size, Invariants { pressure, mises, third }) = (factor * yield_stress, self.of.test);
+        self.of.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third })
     }
 
     /// Returns where the root on the path starts, from the value of the yield function at the trial.
     #[inline(always)] // Into the return of each point.
     fn way(&self, first: f64) -> ReturnWay {
-        let ReturnIncrement { law, shape, trial, .. } = self;
+        let (ReturnConstants { law, shape, .. }, trial) = (self.of, self.trial);
         let ElasticModuli { bulk, shear } = law.moduli;
-        if let DruckerPragerShape::Linear { friction, .. } = *shape {
-            let unit = shape.measure(self.test);
+        if let DruckerPragerShape::Linear { friction, .. } = shape {
+            let unit = shape.measure(self.of.test);
             let along = if shape.is_round() { 1.5 } else { contraction(self.direction, self.direction) };
             let slope = 2.0 * shear * along
                 + bulk * law.dilatancy * friction
@@ -422,14 +422,14 @@ impl<'a> ReturnIncrement<'a> {
     /// Returns the slope of the strength over the equivalent plastic strain, from that over the yield stress.
     #[inline(always)] // Into the return of each point.
     fn slope_of_strength(&self) -> f64 {
-        let (test, yield_stress) = (self.test, self.hardening.value);
-        let [by_mises, by_pressure] = self.shape.slopes(test.mises * yield_stress);
+        let (test, yield_stress) = (self.of.test, self.hardening.value);
+        let [by_mises, by_pressure] = self.of.shape.slopes(test.mises * yield_stress);
         (by_mises * test.mises - by_pressure * test.pressure) * self.hardening.slope
     }
 
     /// Returns the state at the apex: the pressure alone returns. Equation (20.10).
     fn at_apex(&self) -> PathState {
-        let ReturnIncrement { law, trial, .. } = self;
+        let (ReturnConstants { law, .. }, trial) = (self.of, self.trial);
         let per_pressure = if law.dilatancy > 0.0 { 1.0 / (law.moduli.bulk * law.dilatancy) } else { 0.0 };
         let state = |pressure: f64| {
             let multiplier = (pressure - trial.pressure) * per_pressure;
@@ -450,22 +450,18 @@ impl<'a> ReturnIncrement<'a> {
 
 /// Paths of the lanes of a block.
 struct LanePaths<'a> {
-    law: &'a DruckerPrager,
-    shape: DruckerPragerShape,
     strains: Lanes,
     lines: TableLines<'a>,
     directions: [Lanes; 4],
     per_multiplier: Lanes,
-    rounding: f64,
 }
 
 impl<'a> LanePaths<'a> {
     #[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
-    fn increment(&self, points: &ReturnedPoints, l: usize) -> ReturnIncrement<'a> {
-        let hardening = (self.strains[l], self.lines.of(l));
-        let mut increment = ReturnIncrement::new(self.law, self.shape, points.trial(l), hardening);
+    fn increment(&self, of: ReturnConstants<'a>, points: &ReturnedPoints, l: usize) -> ReturnIncrement<'a> {
+        let mut increment = ReturnIncrement::new(of, points.trial(l), self.strains[l], self.lines.of(l));
         increment.direction = column(&self.directions, l);
-        (increment.per_multiplier, increment.rounding) = (self.per_multiplier[l], self.rounding);
+        increment.per_multiplier = self.per_multiplier[l];
         increment
     }
 }
@@ -478,29 +474,37 @@ impl DruckerPrager {
         let strains = &mut states[STRAIN];
         match self.shape {
             _ if self.rate.is_some() => (),
-            // The compiler knows these shapes in the loops.
+            // The compiler knows the kinds of these shapes in the loops.
             DruckerPragerShape::Linear { friction, ratio: 1.0 } => {
                 self.return_shape(DruckerPragerShape::Linear { friction, ratio: 1.0 }, strains, points);
             }
-            shape @ DruckerPragerShape::Linear { .. } => self.return_shape(shape, strains, points),
-            shape @ DruckerPragerShape::Hyperbolic { .. } => self.return_shape(shape, strains, points),
-            shape @ DruckerPragerShape::Exponent { .. } => self.return_shape(shape, strains, points),
+            DruckerPragerShape::Linear { friction, ratio } => {
+                self.return_shape(DruckerPragerShape::Linear { friction, ratio }, strains, points);
+            }
+            DruckerPragerShape::Hyperbolic { friction, apex } => {
+                self.return_shape(DruckerPragerShape::Hyperbolic { friction, apex }, strains, points);
+            }
+            DruckerPragerShape::Exponent { factor, exponent } => {
+                self.return_shape(DruckerPragerShape::Exponent { factor, exponent }, strains, points);
+            }
         }
     }
 
     #[inline(always)] // Likewise.
     fn return_shape(&self, shape: DruckerPragerShape, strains: &mut Lanes, points: &mut ReturnedPoints) {
-        let (lines, rounding) = (self.hardening.lines(strains), self.rounding());
+        let of = ReturnConstants { at_rest: 1.0, ..self.constants(shape) };
         let zero = [0.0; LANES];
         let mut starts =
             LaneStarts { start: zero, first: zero, guess: zero, limit: zero, tolerance: zero, open: [0; LANES] };
-        let (mut directions, mut per_multiplier, mut apices) = ([zero; 4], zero, [0; LANES]);
+        let (lines, directions) = (self.hardening.lines(strains), [zero; 4]);
+        let mut paths = LanePaths { strains: *strains, lines, directions, per_multiplier: zero };
+        let mut apices = [0; LANES];
         for l in 0..LANES {
-            let mut increment = ReturnIncrement::new(self, shape, points.trial(l), (strains[l], lines.of(l)));
+            let mut increment = paths.increment(of, points, l);
             let [first, size] = increment.first();
-            increment.set_flow(rounding);
-            put_column(&mut directions, l, increment.direction);
-            per_multiplier[l] = increment.per_multiplier;
+            increment.set_flow();
+            put_column(&mut paths.directions, l, increment.direction);
+            paths.per_multiplier[l] = increment.per_multiplier;
             let ReturnWay { start, limit } = increment.way(first);
             (starts.start[l], starts.first[l], starts.guess[l]) = (start.start, first, start.guess);
             (starts.limit[l], starts.tolerance[l]) = (limit, ACCURACY * size);
@@ -508,18 +512,34 @@ impl DruckerPrager {
             apices[l] = is_outside & u64::from(points.mises[l] <= 1e-12 * size);
             starts.open[l] = is_outside & (1 - apices[l]);
         }
-        if !starts.open.contains(&1) {
-            return points.stay_elastic(&apices);
+        if any(&starts.open) {
+            self.return_open_lanes(of, &starts, &mut paths, points);
+            *strains = paths.strains;
+        } else {
+            points.stay_elastic();
         }
-        let paths = LanePaths { law: self, shape, strains: *strains, lines, directions, per_multiplier, rounding };
-        let (mut pressures, mut hardenings, mut increments) = (zero, zero, zero);
+        for l in 0..LANES {
+            points.open[l] |= apices[l];
+        }
+    }
+
+    /// Returns the lanes with a root.
+    #[inline(always)] // Likewise.
+    fn return_open_lanes(
+        &self,
+        of: ReturnConstants<'_>,
+        starts: &LaneStarts,
+        paths: &mut LanePaths<'_>,
+        points: &mut ReturnedPoints,
+    ) {
+        let [mut pressures, mut hardenings] = [[0.0; LANES]; 2];
         let (arguments, failed) = lane_roots(
-            &starts,
+            starts,
             #[inline(always)]
             |arguments| {
-                let mut values = zero;
+                let mut values = [0.0; LANES];
                 for l in 0..LANES {
-                    let increment = paths.increment(points, l);
+                    let increment = paths.increment(of, points, l);
                     let state = increment.state::<true>(arguments[l]);
                     (pressures[l], hardenings[l]) = (state.pressure, state.hardening);
                     values[l] = increment.outside::<true>(state);
@@ -528,19 +548,15 @@ impl DruckerPrager {
             },
         );
         for l in 0..LANES {
-            let increment = paths.increment(points, l);
-            let TrialStress { pressure, deviator, .. } = increment.trial;
-            let is_on_line = u64::from(increment.hardening.holds_at(strains[l] + hardenings[l]));
-            let is_returned = starts.open[l] & (1 - failed[l]) & is_on_line;
-            let returned = increment.deviator(arguments[l]);
-            let end = [0, 1, 2, 3].inline_map(|i| if is_returned == 1 { returned[i] } else { deviator[i] });
+            let increment = paths.increment(of, points, l);
+            let strain = increment.strain_before + hardenings[l];
+            let is_returned = starts.open[l] & (1 - failed[l]) & u64::from(increment.hardening.holds_at(strain));
+            let (TrialStress { pressure, deviator, .. }, end) = (increment.trial, increment.deviator(arguments[l]));
+            let end = [0, 1, 2, 3].inline_map(|i| if is_returned == 1 { end[i] } else { deviator[i] });
             let mean = if is_returned == 1 { pressures[l] } else { pressure };
             points.return_to_deviator(l, mean, end, (mean - pressure) / self.moduli.bulk);
-            points.open[l] = apices[l] | (starts.open[l] & (1 - is_returned));
-            increments[l] = if is_returned == 1 { hardenings[l] } else { 0.0 };
-        }
-        for l in 0..LANES {
-            strains[l] += increments[l];
+            points.open[l] = starts.open[l] & (1 - is_returned);
+            paths.strains[l] = if is_returned == 1 { strain } else { increment.strain_before };
         }
     }
 }
@@ -581,15 +597,15 @@ impl StressReturn for DruckerPrager {
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = point.trial;
         let strain_before = point.state[STRAIN];
-        let hardening = (strain_before, self.hardening.line(strain_before));
-        let mut increment = ReturnIncrement::new(self, self.shape, trial, hardening);
+        let (of, hardening) = (self.constants(self.shape), self.hardening.line(strain_before));
+        let mut increment = ReturnIncrement::new(of, trial, strain_before, hardening);
         increment.per_dt = if point.dt > 0.0 { 1.0 / point.dt } else { 0.0 };
         let [first, size] = increment.first();
         // A NaN is not returned, so that the run halts.
         if first.is_nan() || first <= 2.0 * ACCURACY * size {
             return point.stay_elastic();
         }
-        increment.set_flow(self.rounding());
+        increment.set_flow();
         let returned = if trial.mises <= 1e-12 * size { None } else { increment.end(first, size) };
         let (PathState { pressure, hardening, .. }, deviator) =
             returned.unwrap_or_else(|| (increment.at_apex(), [0.0; 4]));
@@ -663,7 +679,7 @@ mod tests {
         let ratio = 0.8;
         let law = law(DruckerPragerShape::Linear { friction: 0.9, ratio });
         let trial = TrialStress::of([1.0, -2.0, 0.4, 0.7]);
-        let mut increment = ReturnIncrement::new(&law, trial, 0.0, 1.0);
+        let mut increment = ReturnIncrement::new(law.constants(law.shape), trial, 0.0, law.hardening.line(0.0));
         increment.set_flow();
         let measure = |deviator: [f64; 4]| Invariants::of(0.0, deviator, law.shape).measure(ratio);
         for i in 0..4 {

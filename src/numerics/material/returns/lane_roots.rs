@@ -5,6 +5,12 @@ use crate::kernel::lanes::{LANES, Lanes};
 /// Whether a property holds for each lane: 1 or 0, so that loops over lanes stay in vector registers.
 pub type Flags = [u64; LANES];
 
+/// Returns whether a flag is set.
+#[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
+pub fn any(flags: &Flags) -> bool {
+    flags.iter().fold(0, |any, flag| any | flag) != 0
+}
+
 /// Most evaluations of the function.
 const ROUNDS: usize = 10;
 
