@@ -1,5 +1,6 @@
 //! Interface of laws that return an elastic trial stress to a yield surface, evaluated one material point at a time.
 
+use super::concrete::ConcreteDamagedPlasticity;
 use super::drucker_prager::DruckerPrager;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
@@ -12,6 +13,7 @@ pub enum LaneLaw<'a> {
     /// None: point by point.
     None,
     DruckerPrager(&'a DruckerPrager),
+    Concrete(&'a ConcreteDamagedPlasticity),
 }
 
 /// A law with elastic moduli and a yield surface. It knows neither elements nor blocks; the state of a point is a list of

@@ -6,6 +6,7 @@
 pub mod cap;
 pub mod compression;
 pub mod concrete;
+pub mod concrete_lanes;
 pub mod concrete_return;
 pub mod concrete_tables;
 #[cfg(test)]
@@ -146,6 +147,7 @@ impl ReturnMaterial {
         match self.law.lanes() {
             LaneLaw::None => (),
             LaneLaw::DruckerPrager(law) => law.return_lanes(&mut state.states, points),
+            LaneLaw::Concrete(law) => law.return_lanes(&mut state.states, &state.length, strain, points),
         }
         if any(&points.open) {
             self.return_open_points(state, strain, points);
