@@ -249,31 +249,26 @@ impl ConcreteTable {
             }
         }
         let rows = &self.curves[0];
-        // Plastic strain and values of the rows at both ends of the part; before the first row and beyond the last one they are
-        // the same row.
-        let [mut starts, mut stresses, mut damages, mut elastics] = [zero; 4];
-        let [mut to, mut to_stress, mut to_damage, mut to_elastic] = [zero; 4];
-        for (i, a) in rows.iter().enumerate() {
-            let (b, is_first) = (rows.get(i + 1).unwrap_or(a), i == 0);
-            let (a, b) = (*a, *b);
+        // Number of rows at or below the plastic strain.
+        let mut below = [0_u64; LANES];
+        for row in rows {
             for l in 0..LANES {
-                let [at_a, at_b] = [a, b].inline_map(|row| row.abscissa * lines.scale[l] - row.elastic);
-                let is_right = from[l] >= at_a;
-                let is_new = is_right | is_first;
-                let low = |value: f64, old: f64| if is_new { value } else { old };
-                let high = |[low, high]: [f64; 2], old: f64| {
-                    let new = if is_first { low } else { old };
-                    if is_right { high } else { new }
-                };
-                (starts[l], to[l]) = (low(at_a, starts[l]), high([at_a, at_b], to[l]));
-                (stresses[l], to_stress[l]) = (low(a.stress, stresses[l]), high([a.stress, b.stress], to_stress[l]));
-                (damages[l], to_damage[l]) = (low(a.damage, damages[l]), high([a.damage, b.damage], to_damage[l]));
-                elastics[l] = low(a.elastic, elastics[l]);
-                to_elastic[l] = high([a.elastic, b.elastic], to_elastic[l]);
+                below[l] += u64::from(from[l] >= row.abscissa * lines.scale[l] - row.elastic);
             }
         }
+        // Both ends of the part; before the first row and beyond the last one they are the same row.
+        let [mut start_abscissa, mut stresses, mut damages, mut elastics] = [zero; 4];
+        let [mut end_abscissa, mut to_stress, mut to_damage, mut to_elastic] = [zero; 4];
+        let last = rows.len() - 1;
         for l in 0..LANES {
-            let (start, end) = (starts[l], to[l]);
+            let next = below[l] as usize;
+            let (a, b) = (&rows[next.max(1) - 1], &rows[next.min(last)]);
+            (start_abscissa[l], stresses[l], damages[l], elastics[l]) = (a.abscissa, a.stress, a.damage, a.elastic);
+            (end_abscissa[l], to_stress[l], to_damage[l], to_elastic[l]) = (b.abscissa, b.stress, b.damage, b.elastic);
+        }
+        for l in 0..LANES {
+            let start = start_abscissa[l] * lines.scale[l] - elastics[l];
+            let end = end_abscissa[l] * lines.scale[l] - to_elastic[l];
             let is_line = end > start;
             let (per, distance) = (1.0 / (end - start), from[l] - start);
             let line = |low: f64, high: f64| {
