@@ -42,9 +42,9 @@ pub fn ln_of(x: f64) -> f64 {
     k * LN2[0] - ((square - (s * (square + (even + odd)) + k * LN2[1])) - f)
 }
 
-/// Returns the exponential; the argument is limited to the range of normal results.
+/// Returns 2^k and 1 - exp(x)/2^k; the argument is limited to the range of normal results.
 #[inline(always)]
-pub fn exp_of(x: f64) -> f64 {
+fn reduced_exp(x: f64) -> [f64; 2] {
     let x = if x > 709.0 { 709.0 } else { x };
     let x = if x < -708.0 { -708.0 } else { x };
     // x = k ln 2 + r.
@@ -58,9 +58,22 @@ pub fn exp_of(x: f64) -> f64 {
             + z * (-2.777_777_777_701_559_3e-3
                 + z * (6.613_756_321_437_934e-5 + z * (-1.653_390_220_546_525_2e-6 + z * 4.138_136_797_057_238_5e-8))));
     let c = r - p;
-    let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
     // The last bits of `near` are those of k.
-    y * f64::from_bits(near.to_bits().wrapping_add(1023) << 52)
+    [f64::from_bits(near.to_bits().wrapping_add(1023) << 52), (low - (r * c) / (2.0 - c)) - high]
+}
+
+/// Returns the exponential; the argument is limited to the range of normal results.
+#[inline(always)]
+pub fn exp_of(x: f64) -> f64 {
+    let [scale, fall] = reduced_exp(x);
+    (1.0 - fall) * scale
+}
+
+/// Returns the exponential less 1, without cancellation; the argument is limited to the range of normal results.
+#[inline(always)]
+pub fn expm1_of(x: f64) -> f64 {
+    let [scale, fall] = reduced_exp(x);
+    (scale - 1.0) - scale * fall
 }
 
 /// Returns the power x^n of a positive number, and 0 for other numbers.

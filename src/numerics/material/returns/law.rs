@@ -2,6 +2,7 @@
 
 use super::concrete::ConcreteDamagedPlasticity;
 use super::drucker_prager::DruckerPrager;
+use super::porous_metal::PorousMetal;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::{mises, pressure};
@@ -14,6 +15,7 @@ pub enum LaneLaw<'a> {
     None,
     DruckerPrager(&'a DruckerPrager),
     Concrete(&'a ConcreteDamagedPlasticity),
+    PorousMetal(&'a PorousMetal),
 }
 
 /// A law with elastic moduli and a yield surface. It knows neither elements nor blocks; the state of a point is a list of

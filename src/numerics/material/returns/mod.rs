@@ -20,6 +20,7 @@ pub mod lane_roots;
 pub mod law;
 pub mod path;
 pub mod points;
+pub mod porous_lanes;
 pub mod porous_metal;
 pub mod porous_return;
 pub mod root;
@@ -147,6 +148,7 @@ impl ReturnMaterial {
         match self.law.lanes() {
             LaneLaw::None => (),
             LaneLaw::DruckerPrager(law) => law.return_lanes(&mut state.states, points),
+            LaneLaw::PorousMetal(law) => law.return_lanes(&mut state.states, points),
             LaneLaw::Concrete(law) => law.return_lanes(&mut state.states, &state.length, strain, points),
         }
         if any(&points.open) {
