@@ -74,7 +74,9 @@ impl PorousMetal {
             _ => [f64::INFINITY, 1.0],
         };
         let &PorousMetal { constants, moduli, nucleation, .. } = self;
-        PorousConstants { constants, moduli, nucleation, critical, coalescence, most: 0.999 / sum }
+        let [per_bulk, per_shear3] = [1.0 / moduli.bulk, 1.0 / (3.0 * moduli.shear)];
+        let most = 0.999 / sum;
+        PorousConstants { constants, moduli, per_bulk, per_shear3, nucleation, critical, coalescence, most }
     }
 }
 

@@ -53,6 +53,9 @@ pub(super) struct PorousConstants {
     /// q1, q2, q3.
     pub constants: [f64; 3],
     pub moduli: ElasticModuli,
+    /// 1 over the bulk modulus, and over three times the shear modulus.
+    pub per_bulk: f64,
+    pub per_shear3: f64,
     /// The compiler knows whether there is one in loops over lanes.
     pub nucleation: Option<VoidNucleation>,
     /// Void volume fraction at which voids begin to coalesce (infinite if they do not), slope of the effective fraction above
@@ -82,7 +85,7 @@ impl PorousConstants {
     pub(super) fn flowed<const LINE: bool>(&self, before: &PorousIncrement<'_>, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
-        let work = (mises * (before.mises - mises) / (3.0 * self.moduli.shear) + mean * dilation); let work = if work > 0.0 { work } else { 0.0 };
+        let work = (mises * (before.mises - mises) * self.per_shear3 + mean * dilation); let work = if work > 0.0 { work } else { 0.0 };
         // Growth of voids in an incompressible matrix, whose work is done at the yield stress in the middle.
         let grown = before.voids - (1.0 - before.voids) * expm1_of(-dilation);
         let scaled_work = work / (1.0 - 0.5 * (before.voids + grown));
@@ -97,18 +100,20 @@ impl PorousConstants {
         let voids = if voids > 0.0 { voids } else { 0.0 };
         let yield_stress = before.hardening.value_at::<LINE>(strain);
         let effective = self.effective(voids);
-        let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
-        let excess = self.excess(mises / yield_stress, effective[0], cosh);
+        let per_yield = 1.0 / yield_stress;
+        let [cosh, sinh] = self.hyperbolic(mean * per_yield);
+        let excess = self.excess(mises * per_yield, effective[0], cosh);
         let mismatch = dilation - flow * self.dilatancy(yield_stress) * effective[0] * sinh;
         Flowed { mises, mean, strain, voids, nucleation, yield_stress, effective, cosh, sinh, excess, mismatch }
     }
 
     /// Returns the hyperbolic cosine and sine of 1.5 q2 mean/yield.
     #[inline(always)] // Into the return of each point.
-    fn hyperbolic(&self, mean: f64, yield_stress: f64) -> [f64; 2] {
-        let ratio = 1.5 * self.constants[1] * mean / yield_stress;
+    fn hyperbolic(&self, mean_over_yield: f64) -> [f64; 2] {
+        let ratio = 1.5 * self.constants[1] * mean_over_yield;
         let exponential = exp_of(ratio.clamp(-LARGEST_RATIO, LARGEST_RATIO));
-        [0.5 * (exponential + 1.0 / exponential), 0.5 * (exponential - 1.0 / exponential)]
+        let inverse = 1.0 / exponential;
+        [0.5 * (exponential + inverse), 0.5 * (exponential - inverse)]
     }
 
     /// Returns the yield function for the von Mises stress over the yield stress, f*, and the hyperbolic cosine.
@@ -124,9 +129,10 @@ impl PorousConstants {
     pub(super) fn trial(&self, before: &PorousIncrement<'_>) -> Flowed {
         let &PorousIncrement { strain, hardening, voids, mises, mean } = before;
         let yield_stress = hardening.value;
-        let [cosh, sinh] = self.hyperbolic(mean, yield_stress);
+        let per_yield = 1.0 / yield_stress;
+        let [cosh, sinh] = self.hyperbolic(mean * per_yield);
         let effective = self.effective(voids);
-        let excess = self.excess(mises / yield_stress, effective[0], cosh);
+        let excess = self.excess(mises * per_yield, effective[0], cosh);
         Flowed {
             mises,
             mean,
@@ -145,7 +151,7 @@ impl PorousConstants {
     /// Returns the plastic dilation over flow, f* and the hyperbolic sine.
     #[inline(always)] // Into the return of each point.
     fn dilatancy(&self, yield_stress: f64) -> f64 {
-        self.constants[0] * self.constants[1] * yield_stress / (2.0 * self.moduli.shear)
+        1.5 * self.constants[0] * self.constants[1] * yield_stress * self.per_shear3
     }
 
     /// Returns flow and dilation of the next step of Newton's method.
@@ -157,8 +163,8 @@ impl PorousConstants {
         [flow, dilation]: [f64; 2],
     ) -> [f64; 2] {
         let [q1, q2, q3] = self.constants;
-        let ElasticModuli { bulk, shear } = self.moduli;
-        let largest = before.mean / bulk;
+        let ElasticModuli { bulk, .. } = self.moduli;
+        let largest = before.mean * self.per_bulk;
         let gained = now.strain - before.strain;
         let Flowed { mises, mean, yield_stress, effective: [effective, growth], cosh, sinh, .. } = *now;
         // Partial derivatives: of the yield stress and f* by the work on the matrix, ...
@@ -168,32 +174,33 @@ impl PorousConstants {
         } else {
             before.hardening.slope
         };
-        let yield_by_work = slope / (solid * yield_stress);
-        let voids_by_work = growth * now.nucleation / (solid * yield_stress);
+        let per_work = 1.0 / (solid * yield_stress);
+        let (per_yield, per_flow) = (solid * per_work, 1.0 / (1.0 + flow));
+        let (yield_by_work, voids_by_work) = (slope * per_work, growth * now.nucleation * per_work);
         // of the yield function and the flow rule by these two, ...
-        let (square, angle) = (mises * mises / (yield_stress * yield_stress), 1.5 * q2 / yield_stress);
+        let (square, angle) = ((mises * per_yield) * (mises * per_yield), 1.5 * q2 * per_yield);
         let spread = self.dilatancy(yield_stress);
-        let by_yield = -2.0 * (square + q1 * effective * sinh * angle * mean) / yield_stress;
+        let by_yield = -2.0 * (square + q1 * effective * sinh * angle * mean) * per_yield;
         let by_voids = 2.0 * (q1 * cosh - q3 * effective);
-        let flow_by_yield = -flow * spread * effective * (sinh - cosh * angle * mean) / yield_stress;
+        let flow_by_yield = -flow * spread * effective * (sinh - cosh * angle * mean) * per_yield;
         let flow_by_voids = -flow * spread * sinh;
         let by_work = by_yield * yield_by_work + by_voids * voids_by_work;
         let flow_by_work = flow_by_yield * yield_by_work + flow_by_voids * voids_by_work;
         // and of the work. Then those of the yield function (a, b) and the flow rule (c, d) by flow and dilation.
-        let work_by_flow = mises / (1.0 + flow) * (2.0 * mises - before.mises) / (3.0 * shear);
+        let work_by_flow = mises * per_flow * (2.0 * mises - before.mises) * self.per_shear3;
         let work_by_dilation = mean - bulk * dilation;
-        let a = by_work * work_by_flow - 2.0 * square / (1.0 + flow);
+        let a = by_work * work_by_flow - 2.0 * square * per_flow;
         let b = by_work * work_by_dilation + by_voids * growth * solid - 2.0 * q1 * effective * sinh * angle * bulk;
         let c = flow_by_work * work_by_flow - spread * effective * sinh;
         let d = flow_by_work * work_by_dilation
             + flow_by_voids * growth * solid
             + (1.0 + flow * spread * effective * cosh * angle * bulk);
-        let determinant = a * d - b * c;
+        let per_determinant = 1.0 / (a * d - b * c);
         // The yield function without voids is linear in (1 + flow)^-2; so a step is straight in this variable.
-        let step = (now.mismatch * b - now.excess * d) / determinant;
-        let straight = 1.0 - 2.0 * step / (1.0 + flow);
+        let step = (now.mismatch * b - now.excess * d) * per_determinant;
+        let straight = 1.0 - 2.0 * step * per_flow;
         let next_flow = if straight > 0.1 { (1.0 + flow) / straight.sqrt() - 1.0 } else { flow + step };
-        let next_dilation = dilation - (now.mismatch * a - now.excess * c) / determinant;
+        let next_dilation = dilation - (now.mismatch * a - now.excess * c) * per_determinant;
         // The mean stress does not change its sign.
         let [least, most] = if largest < 0.0 { [largest, 0.0] } else { [0.0, largest] };
         let next_dilation = if next_dilation > least { next_dilation } else { least };
