@@ -85,7 +85,8 @@ impl PorousConstants {
     pub(super) fn flowed<const LINE: bool>(&self, before: &PorousIncrement<'_>, flow: f64, dilation: f64) -> Flowed {
         let mises = before.mises / (1.0 + flow);
         let mean = before.mean - self.moduli.bulk * dilation;
-        let work = (mises * (before.mises - mises) * self.per_shear3 + mean * dilation); let work = if work > 0.0 { work } else { 0.0 };
+        let work = mises * (before.mises - mises) * self.per_shear3 + mean * dilation;
+        let work = if work > 0.0 { work } else { 0.0 };
         // Growth of voids in an incompressible matrix, whose work is done at the yield stress in the middle.
         let grown = before.voids - (1.0 - before.voids) * expm1_of(-dilation);
         let scaled_work = work / (1.0 - 0.5 * (before.voids + grown));
