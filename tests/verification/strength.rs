@@ -340,12 +340,15 @@ fn spall_of_a_plate_dissipates_the_same_on_three_meshes() {
                 + &format!("*Solid Section, elset=SOLID, material=CONCRETE\n*Material, name=CONCRETE\n{cards}")
                 + &format!("*Amplitude, name=PULSE\n{pulse} 1., 0.\n*Boundary\n ALL, 1, 1\n")
                 + "*Step\n*Dynamic, Explicit, element by element\n , 40.e-6\n*Dsload, amplitude=PULSE\n"
-                + &format!(" J0, P, {pressure}\n*Output, history, number interval=4\n*Energy Output\n ALLPD\n*End Step\n");
+                + &format!(
+                    " J0, P, {pressure}\n*Output, history, number interval=4\n*Energy Output\n ALLPD\n*End Step\n"
+                );
             let (outcome, memory) = run(&deck);
             assert_eq!(outcome.halt, None);
             last(&deck, &memory, "ALLPD") / (std::f64::consts::PI * size * size)
         });
-        let [least, most] = [energies.iter().copied().fold(f64::INFINITY, f64::min), energies.iter().copied().fold(0.0, f64::max)];
+        let [least, most] =
+            [energies.iter().copied().fold(f64::INFINITY, f64::min), energies.iter().copied().fold(0.0, f64::max)];
         println!("{pressure}: {energies:?}, spread {}", most / least - 1.0);
         assert!(most / least < 1.05, "{pressure}: {energies:?}");
     }

@@ -150,11 +150,7 @@ impl TableLine<'_> {
     /// Returns the value of the table at any abscissa.
     #[inline]
     pub fn at(&self, abscissa: f64) -> f64 {
-        if self.holds_at(abscissa) {
-            self.extended_to(abscissa)
-        } else {
-            self.table.value(abscissa)
-        }
+        if self.holds_at(abscissa) { self.extended_to(abscissa) } else { self.table.value(abscissa) }
     }
 }
 

@@ -156,12 +156,12 @@ impl PorousCompaction {
         let ([start, elastic], [begin, end]) = (self.distensions, self.pressures);
         let left = (smallest - 1.0) * (1.0 / (elastic - 1.0));
         let left = if left > 0.0 { left.sqrt() } else { 0.0 };
-        let crushed = DistensionPath {
-            meeting: [end - (end - begin) * left, smallest],
-            slope: self.elastic_slope(smallest),
-        };
-        let first = DistensionPath { meeting: [begin, elastic], slope: (elastic - start) / begin };
-        if smallest >= elastic { first } else { crushed }
+        // Each number by itself: a choice between two paths would keep loops over lanes scalar.
+        let is_first = smallest >= elastic;
+        let (crushed, line) = (self.elastic_slope(smallest), (elastic - start) / begin);
+        let pressure = if is_first { begin } else { end - (end - begin) * left };
+        let meeting = [pressure, if is_first { elastic } else { smallest }];
+        DistensionPath { meeting, slope: if is_first { line } else { crushed } }
     }
 
     /// Returns the distension at a pressure.

@@ -73,7 +73,13 @@ impl ConcreteDamagedPlasticity {
     /// of its deviator and the pressure that remain. Trapezoidal work of the nominal stress on the elastic strain, minus the
     /// change of (1 - d) W: half the change of d times the product of both effective stresses over the moduli.
     #[inline(always)] // Into the return of each point.
-    pub(super) fn lost_energy(&self, old: TrialStress, trial: TrialStress, [share, pressure]: [f64; 2], change: f64) -> f64 {
+    pub(super) fn lost_energy(
+        &self,
+        old: TrialStress,
+        trial: TrialStress,
+        [share, pressure]: [f64; 2],
+        change: f64,
+    ) -> f64 {
         let product = contraction(old.deviator, trial.deviator) * share / (2.0 * self.moduli.shear)
             + old.pressure * pressure / self.moduli.bulk;
         0.5 * change * product

@@ -2,7 +2,8 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
 
 use super::concrete::{
-    COMPRESSION_DAMAGE, COMPRESSION_STRAIN, ConcreteDamagedPlasticity, DEGRADATION, TENSION_DAMAGE, TENSION_STRAIN, scaled,
+    COMPRESSION_DAMAGE, COMPRESSION_STRAIN, ConcreteDamagedPlasticity, DEGRADATION, TENSION_DAMAGE, TENSION_STRAIN,
+    scaled,
 };
 use super::concrete_return::{ConcreteConstants, ConcretePath};
 use super::concrete_tables::ConcreteLines;
@@ -88,7 +89,12 @@ impl ConcreteDamagedPlasticity {
 
     /// Computes the trials from the effective stress at the start of the increment, which is returned.
     #[inline(always)] // Likewise.
-    fn effective_trial(&self, degradation: &Lanes, strain: &StrainIncrement, points: &mut ReturnedPoints) -> [Lanes; 4] {
+    fn effective_trial(
+        &self,
+        degradation: &Lanes,
+        strain: &StrainIncrement,
+        points: &mut ReturnedPoints,
+    ) -> [Lanes; 4] {
         let mut effective = strain.carried;
         if degradation.iter().all(|degradation| *degradation == 0.0) {
             return effective;
@@ -109,7 +115,8 @@ impl ConcreteDamagedPlasticity {
         let of = self.constants();
         let zero = [0.0; LANES];
         let limit = [f64::INFINITY; LANES];
-        let mut starts = LaneStarts { start: zero, first: zero, guess: zero, limit, tolerance: zero, open: points.open };
+        let mut starts =
+            LaneStarts { start: zero, first: zero, guess: zero, limit, tolerance: zero, open: points.open };
         let mut has_other_share = [0; LANES];
         for l in 0..LANES {
             let deviator = principal(column(&points.deviator, l));
@@ -162,7 +169,8 @@ impl ConcreteDamagedPlasticity {
         for l in 0..LANES {
             let path = paths.path(of, points, l);
             let state = path.state(flows[l]);
-            let is_on_line = |side: usize| u64::from(path.tables[side].holds_at(path.start[side] + state.strains[side]));
+            let is_on_line =
+                |side: usize| u64::from(path.tables[side].holds_at(path.start[side] + state.strains[side]));
             let is_returned = starts.open[l] & (1 - failed[l]) & is_on_line(0) & is_on_line(1);
             let [compression, tension] = [0, 1].inline_map(|side| path.strength::<true>(&state, side).damage);
             let choose = |new: f64, old: f64| if is_returned == 1 { new } else { old };
@@ -205,13 +213,7 @@ impl ConcreteDamagedPlasticity {
 
     /// Sets stresses and states.
     #[inline(always)] // Likewise.
-    fn finish_lanes(
-        &self,
-        states: &mut [Lanes],
-        paths: &LanePaths<'_>,
-        ends: &LaneEnds,
-        points: &mut ReturnedPoints,
-    ) {
+    fn finish_lanes(&self, states: &mut [Lanes], paths: &LanePaths<'_>, ends: &LaneEnds, points: &mut ReturnedPoints) {
         let of = self.constants();
         let ([compression, tension], mut degradations) = (ends.damages, states[DEGRADATION]);
         for l in 0..LANES {

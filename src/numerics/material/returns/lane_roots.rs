@@ -53,7 +53,7 @@ pub fn lane_roots(
             let is_root = value[l].abs() <= tolerance[l];
             let secant = next[l] - value[l] * (next[l] - last[l]) / (value[l] - last_value[l]);
             let is_on_way = (secant - start[l]) * (limit[l] - secant) > 0.0;
-            let goes_on = u64::from(is_on_way) & u64::from(value[l].abs() < 0.5 * last_value[l].abs());
+            let goes_on = u64::from(is_on_way) & u64::from(value[l].abs() < last_value[l].abs());
             let is_unfinished = active[l] & u64::from(!is_root);
             failed[l] |= is_unfinished & (1 - goes_on);
             active[l] = is_unfinished & goes_on;

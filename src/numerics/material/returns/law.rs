@@ -2,6 +2,7 @@
 
 use super::concrete::ConcreteDamagedPlasticity;
 use super::drucker_prager::DruckerPrager;
+use super::hill::HillPotential;
 use super::porous_metal::PorousMetal;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
@@ -16,6 +17,7 @@ pub enum LaneLaw<'a> {
     DruckerPrager(&'a DruckerPrager),
     Concrete(&'a ConcreteDamagedPlasticity),
     PorousMetal(&'a PorousMetal),
+    Hill(&'a HillPotential),
 }
 
 /// A law with elastic moduli and a yield surface. It knows neither elements nor blocks; the state of a point is a list of

@@ -149,6 +149,7 @@ impl ReturnMaterial {
             LaneLaw::None => (),
             LaneLaw::DruckerPrager(law) => law.return_lanes(&mut state.states, points),
             LaneLaw::PorousMetal(law) => law.return_lanes(&mut state.states, points),
+            LaneLaw::Hill(law) => law.return_lanes(&mut state.states, &state.angle, points),
             LaneLaw::Concrete(law) => law.return_lanes(&mut state.states, &state.length, strain, points),
         }
         if any(&points.open) {

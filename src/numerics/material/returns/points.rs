@@ -39,8 +39,20 @@ impl ReturnedPoints {
         let (deviator, none) = ([zero; 4], [zero; 4]);
         let [bulk, shear, kept] = [[moduli.bulk; LANES], [moduli.shear; LANES], [1.0; LANES]];
         let (stress, plastic, compacted, lost) = (none, none, zero, zero);
-        let mut points =
-            ReturnedPoints { live, open: live, pressure, deviator, mises, stress, plastic, compacted, lost, bulk, shear, kept };
+        let mut points = ReturnedPoints {
+            live,
+            open: live,
+            pressure,
+            deviator,
+            mises,
+            stress,
+            plastic,
+            compacted,
+            lost,
+            bulk,
+            shear,
+            kept,
+        };
         for l in 0..LANES {
             let trial = TrialStress::elastic(column(&strain.carried, l), column(&strain.strain, l), moduli);
             put_column(&mut points.deviator, l, trial.deviator);
