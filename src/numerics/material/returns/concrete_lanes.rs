@@ -67,9 +67,11 @@ impl ConcreteDamagedPlasticity {
         }
         let effective = self.effective_trial(&states[DEGRADATION], strain, points);
         let strains = [states[COMPRESSION_STRAIN], states[TENSION_STRAIN]];
-        let tables = [self.compression.lines(&strains[0], length), self.tension.lines(&strains[1], length)];
+        let tables = [self.compression.empty_lines(), self.tension.empty_lines()];
         let mut paths =
             LanePaths { tables, strains, deviators: [[0.0; LANES]; 3], first_shares: [f64::NAN; LANES], effective };
+        paths.tables[0].fill(&paths.strains[0], length);
+        paths.tables[1].fill(&paths.strains[1], length);
         let mut ends = LaneEnds {
             returned: [0; LANES],
             flow: [0.0; LANES],

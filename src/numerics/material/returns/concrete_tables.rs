@@ -228,27 +228,34 @@ impl ConcreteTable {
         self.rates.len() == 1
     }
 
-    /// Returns the parts of [`Self::line`], for elements of given lengths; each row overwrites the lanes at and above its
-    /// plastic strain.
+    /// Returns parts that [`ConcreteLines::fill`] sets.
     #[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
-    pub fn lines(&self, from: &Lanes, length: &Lanes) -> ConcreteLines<'_> {
-        let zero = [0.0; LANES];
-        let mut lines = ConcreteLines {
+    pub fn empty_lines(&self) -> ConcreteLines<'_> {
+        ConcreteLines {
             table: self,
             scale: [1.0; LANES],
-            from: *from,
-            end: zero,
-            stress: [zero; 2],
-            damage: [zero; 2],
-            elastic: [zero; 2],
-            effective: zero,
-        };
-        if self.abscissa == ConcreteAbscissa::Displacement {
+            from: [0.0; LANES],
+            end: [0.0; LANES],
+            stress: [[0.0; LANES]; 2],
+            damage: [[0.0; LANES]; 2],
+            elastic: [[0.0; LANES]; 2],
+            effective: [0.0; LANES],
+        }
+    }
+}
+
+impl<'a> ConcreteLines<'a> {
+    /// Sets the parts of [`ConcreteTable::line`], for elements of given lengths.
+    #[inline(always)] // Likewise.
+    pub fn fill(&mut self, from: &Lanes, length: &Lanes) {
+        let (table, lines, zero) = (self.table, self, [0.0; LANES]);
+        lines.from = *from;
+        if table.abscissa == ConcreteAbscissa::Displacement {
             for l in 0..LANES {
                 lines.scale[l] = 1.0 / length[l];
             }
         }
-        let rows = &self.curves[0];
+        let rows = &table.curves[0];
         // Number of rows at or below the plastic strain.
         let mut below = [0_u64; LANES];
         for row in rows {
@@ -282,11 +289,8 @@ impl ConcreteTable {
             lines.end[l] = if is_line { end } else { last };
             lines.effective[l] = lines.stress[0][l] / (1.0 - lines.damage[0][l]);
         }
-        lines
     }
-}
 
-impl<'a> ConcreteLines<'a> {
     /// Returns the part of a lane.
     #[inline(always)] // Likewise.
     pub fn of(&self, l: usize) -> ConcreteLine<'a> {

@@ -91,7 +91,8 @@ impl Material for ReturnMaterial {
         if strain.dt == 0.0 {
             return;
         }
-        let mut points = ReturnedPoints::begin(moduli, strain, &state.active);
+        let mut points = ReturnedPoints::zero();
+        points.begin(moduli, strain, &state.active);
         self.return_points(state, strain, &mut points);
         update.deleted += points.finish(stress, strain, update, self.law.holds_pressure());
     }

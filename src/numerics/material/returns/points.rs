@@ -28,37 +28,36 @@ pub struct ReturnedPoints {
 }
 
 impl ReturnedPoints {
+    /// Creates points without results; filled in place, because copies of so many numbers take longer than many a law.
+    #[inline(always)] // Likewise.
+    pub(super) fn zero() -> ReturnedPoints {
+        ReturnedPoints {
+            live: [0; LANES],
+            open: [0; LANES],
+            pressure: [0.0; LANES],
+            deviator: [[0.0; LANES]; 4],
+            mises: [0.0; LANES],
+            stress: [[0.0; LANES]; 4],
+            plastic: [[0.0; LANES]; 4],
+            compacted: [0.0; LANES],
+            lost: [0.0; LANES],
+            bulk: [0.0; LANES],
+            shear: [0.0; LANES],
+            kept: [1.0; LANES],
+        }
+    }
+
     /// Computes the trial stresses.
     #[inline(always)] // Likewise.
-    pub(super) fn begin(moduli: ElasticModuli, strain: &StrainIncrement, active: &Lanes) -> ReturnedPoints {
-        let mut live = [0; LANES];
+    pub(super) fn begin(&mut self, moduli: ElasticModuli, strain: &StrainIncrement, active: &Lanes) {
         for l in 0..LANES {
-            live[l] = u64::from(active[l] > 0.0) & u64::from(l < strain.count);
-        }
-        let [pressure, mises, zero] = [[0.0; LANES]; 3];
-        let (deviator, none) = ([zero; 4], [zero; 4]);
-        let [bulk, shear, kept] = [[moduli.bulk; LANES], [moduli.shear; LANES], [1.0; LANES]];
-        let (stress, plastic, compacted, lost) = (none, none, zero, zero);
-        let mut points = ReturnedPoints {
-            live,
-            open: live,
-            pressure,
-            deviator,
-            mises,
-            stress,
-            plastic,
-            compacted,
-            lost,
-            bulk,
-            shear,
-            kept,
-        };
-        for l in 0..LANES {
+            self.live[l] = u64::from(active[l] > 0.0) & u64::from(l < strain.count);
+            self.open[l] = self.live[l];
+            (self.bulk[l], self.shear[l]) = (moduli.bulk, moduli.shear);
             let trial = TrialStress::elastic(column(&strain.carried, l), column(&strain.strain, l), moduli);
-            put_column(&mut points.deviator, l, trial.deviator);
-            (points.pressure[l], points.mises[l]) = (trial.pressure, trial.mises);
+            put_column(&mut self.deviator, l, trial.deviator);
+            (self.pressure[l], self.mises[l]) = (trial.pressure, trial.mises);
         }
-        points
     }
 
     /// Returns the trial stress of a lane.
