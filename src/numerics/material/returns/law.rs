@@ -225,7 +225,8 @@ pub fn returned(
     let third = dilation * (1.0 / 3.0);
     let [rr, zz, hoop, rz] = deviator;
     let [a, b, c, d] = [0, 1, 2, 3].inline_map(|i| (trial[i] - deviator[i]) * per_shear);
-    ([rr - pressure, zz - pressure, hoop - pressure, rz], [a + third, b + third, c + third, d])
+    // A sum with zero is never a negative zero.
+    ([rr - pressure, zz - pressure, hoop - pressure, rz + 0.0], [a + third, b + third, c + third, d + 0.0])
 }
 
 /// Returns the determinant of a tensor rr, zz, hoop, rz.
