@@ -38,7 +38,7 @@ const OF_PRESSURE: [(&str, &str); 8] = [
     ("spall", "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n*Tensile Failure, element deletion=NO\n 2.e9,\n"),
 ];
 /// Laws without the stiffness of copper, or with an equation of state.
-const OTHERS: [(&str, &str); 7] = [
+const OTHERS: [(&str, &str); 8] = [
     (
         "USUP, linear hardening",
         "*Eos, type=USUP\n 3940., 1.489, 2.\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n",
@@ -46,6 +46,10 @@ const OTHERS: [(&str, &str); 7] = [
     (
         "TABULAR equation, linear hardening",
         "*Eos, type=TABULAR\n 0., 0., 0.\n 100.e9, 1., -0.5\n 400.e9, 1.5, -1.\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n",
+    ),
+    (
+        "P-alpha, linear hardening",
+        "*Eos, type=USUP\n 3940., 1.489, 2.\n*Eos Compaction\n 3000., 0.1, 100.e6, 900.e6\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n",
     ),
     ("NEO HOOKE", "*Hyperelastic, neo hooke\n 20.e9, 1.5e-11\n"),
     ("MOONEY-RIVLIN", "*Hyperelastic, mooney-rivlin\n 15.e9, 5.e9, 1.5e-11\n"),

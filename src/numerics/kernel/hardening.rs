@@ -1,5 +1,8 @@
 //! Yield stress of metals as a function of plastic strain, rate and temperature, and the scalar return to the yield
 //! stress.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
+
+use super::lanes::{InlineMap, LANES, Lanes};
 
 /// A yield stress that depends on the state of a material point.
 pub trait YieldStress: Send + Sync {
@@ -78,9 +81,67 @@ impl LinearTable {
     }
 }
 
+/// Lines of a [`LinearTable`] to the right of an abscissa of each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct TableLines<'a> {
+    table: &'a LinearTable,
+    from: Lanes,
+    end: Lanes,
+    value: Lanes,
+    slope: Lanes,
+}
+
+impl LinearTable {
+    /// Returns the lines of [`Self::line`]; each row overwrites the lanes at and above its abscissa.
+    #[inline(always)] // Into loops over lanes, compiled for the instruction set of the machine.
+    pub fn lines(&self, from: &Lanes) -> TableLines<'_> {
+        let [first, last] = [self.rows.first(), self.rows.last()].inline_map(|row| row.copied());
+        let [first, last] = [first.unwrap_or([0.0, f64::INFINITY]), last.unwrap_or([0.0, f64::INFINITY])];
+        let (mut value, mut slope, mut end) = ([first[0]; LANES], [0.0; LANES], [first[1]; LANES]);
+        for pair in self.rows.windows(2) {
+            let [a, b] = [pair[0], pair[1]];
+            let steep = (b[0] - a[0]) / (b[1] - a[1]);
+            for l in 0..LANES {
+                let is_right = from[l] >= a[1];
+                value[l] = if is_right { a[0] + steep * (from[l] - a[1]) } else { value[l] };
+                slope[l] = if is_right { steep } else { slope[l] };
+                end[l] = if is_right { b[1] } else { end[l] };
+            }
+        }
+        for l in 0..LANES {
+            let is_right = from[l] >= last[1];
+            value[l] = if is_right { last[0] } else { value[l] };
+            slope[l] = if is_right { 0.0 } else { slope[l] };
+            end[l] = if is_right { f64::INFINITY } else { end[l] };
+        }
+        TableLines { table: self, from: *from, end, value, slope }
+    }
+}
+
+impl<'a> TableLines<'a> {
+    /// Returns the line of a lane.
+    #[inline(always)] // Likewise.
+    pub fn of(&self, l: usize) -> TableLine<'a> {
+        let (from, value, slope) = (self.from[l], self.value[l], self.slope[l]);
+        TableLine { table: self.table, range: [from, self.end[l]], from, value, slope }
+    }
+}
+
 impl TableLine<'_> {
+    /// Returns the value of the line at any abscissa, for loops over lanes; see [`Self::holds_at`].
+    #[inline(always)] // Likewise.
+    pub fn extended_to(&self, abscissa: f64) -> f64 {
+        self.value + self.slope * (abscissa - self.from)
+    }
+
+    /// Returns [`Self::extended_to`] (`LINE`) or [`Self::at`].
+    #[inline(always)] // Likewise.
+    pub fn value_at<const LINE: bool>(&self, abscissa: f64) -> f64 {
+        if LINE { self.extended_to(abscissa) } else { self.at(abscissa) }
+    }
+
     /// Returns whether the value at an abscissa is on the line.
-    #[inline]
+    #[inline(always)] // Likewise.
     pub fn holds_at(&self, abscissa: f64) -> bool {
         let [start, end] = self.range;
         abscissa >= start && abscissa <= end
@@ -89,11 +150,7 @@ impl TableLine<'_> {
     /// Returns the value of the table at any abscissa.
     #[inline]
     pub fn at(&self, abscissa: f64) -> f64 {
-        if self.holds_at(abscissa) {
-            self.value + self.slope * (abscissa - self.from)
-        } else {
-            self.table.value(abscissa)
-        }
+        if self.holds_at(abscissa) { self.extended_to(abscissa) } else { self.table.value(abscissa) }
     }
 }
 

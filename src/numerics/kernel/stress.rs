@@ -27,7 +27,7 @@ pub fn undamaged(stress: [f64; 4], [factor, of_mean]: [f64; 2]) -> [f64; 4] {
 }
 
 /// Returns the principal stresses, ascending: two in the plane of r and z, and the hoop stress. A NaN may be lost.
-#[inline]
+#[inline(always)] // Likewise.
 pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
     let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());
     let (low, high) = (centre - radius, centre + radius);

@@ -42,9 +42,9 @@ pub fn ln_of(x: f64) -> f64 {
     k * LN2[0] - ((square - (s * (square + (even + odd)) + k * LN2[1])) - f)
 }
 
-/// Returns the exponential; the argument is limited to the range of normal results.
+/// Returns 2^k and 1 - exp(x)/2^k; the argument is limited to the range of normal results.
 #[inline(always)]
-pub fn exp_of(x: f64) -> f64 {
+fn reduced_exp(x: f64) -> [f64; 2] {
     let x = if x > 709.0 { 709.0 } else { x };
     let x = if x < -708.0 { -708.0 } else { x };
     // x = k ln 2 + r.
@@ -58,9 +58,56 @@ pub fn exp_of(x: f64) -> f64 {
             + z * (-2.777_777_777_701_559_3e-3
                 + z * (6.613_756_321_437_934e-5 + z * (-1.653_390_220_546_525_2e-6 + z * 4.138_136_797_057_238_5e-8))));
     let c = r - p;
-    let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
     // The last bits of `near` are those of k.
-    y * f64::from_bits(near.to_bits().wrapping_add(1023) << 52)
+    [f64::from_bits(near.to_bits().wrapping_add(1023) << 52), (low - (r * c) / (2.0 - c)) - high]
+}
+
+/// Returns the exponential; the argument is limited to the range of normal results.
+#[inline(always)]
+pub fn exp_of(x: f64) -> f64 {
+    let [scale, fall] = reduced_exp(x);
+    (1.0 - fall) * scale
+}
+
+/// Returns the exponential less 1, without cancellation; the argument is limited to the range of normal results.
+#[inline(always)]
+pub fn expm1_of(x: f64) -> f64 {
+    let [scale, fall] = reduced_exp(x);
+    (scale - 1.0) - scale * fall
+}
+
+/// pi/2 in two parts; the first ends in zero bits.
+const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
+
+/// Returns cosine and sine of an angle in radians; of an angle of zero exactly 1 and 0. Coefficients of fdlibm, `k_sin.c` and
+/// `k_cos.c`. The angle must be below 10^5.
+#[inline(always)]
+pub fn cos_sin_of(angle: f64) -> [f64; 2] {
+    // Nearest multiple k of pi/2, and the remainder r.
+    let near = angle * std::f64::consts::FRAC_2_PI + NEAREST;
+    let (k, quadrant) = (near - NEAREST, near.to_bits() & 3);
+    let r = (angle - k * HALF_PI[0]) - k * HALF_PI[1];
+    let z = r * r;
+    let sine = r + r
+        * z
+        * (-1.666_666_666_666_663_2e-1
+            + z * (8.333_333_333_322_49e-3
+                + z * (-1.984_126_982_985_795e-4
+                    + z * (2.755_731_370_707_006_8e-6
+                        + z * (-2.505_076_025_340_686_3e-8 + z * 1.589_690_995_211_55e-10)))));
+    let cosine = 1.0
+        - (0.5 * z
+            - z * z
+                * (4.166_666_666_666_66e-2
+                    + z * (-1.388_888_888_887_411e-3
+                        + z * (2.480_158_728_947_673e-5
+                            + z * (-2.755_731_435_139_066_3e-7
+                                + z * (2.087_572_321_298_175e-9 + z * -1.135_964_755_778_819_5e-11))))));
+    let is_odd = quadrant & 1 == 1;
+    let (a, b) = if is_odd { (sine, cosine) } else { (cosine, sine) };
+    let cosine = if (quadrant == 1) | (quadrant == 2) { -a } else { a };
+    let sine = if quadrant >= 2 { -b } else { b };
+    [cosine, sine]
 }
 
 /// Returns the power x^n of a positive number, and 0 for other numbers.
@@ -111,11 +158,25 @@ pub fn inverse_cbrt(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{LANES, exp, inverse_cbrt, ln, power_of};
+    use super::{LANES, cos_sin_of, exp, expm1_of, inverse_cbrt, ln, power_of};
 
     /// Returns the units in the last place between two numbers.
     fn apart(a: f64, b: f64) -> u64 {
         a.to_bits().abs_diff(b.to_bits())
+    }
+
+    #[test]
+    fn angles_and_small_exponents_are_accurate() {
+        assert_eq!(cos_sin_of(0.0), [1.0, 0.0]);
+        for i in 0..100_000 {
+            let angle = 1e-3 * f64::from(i - 50_000);
+            let [cosine, sine] = cos_sin_of(angle);
+            let error = (cosine - libm::cos(angle)).abs().max((sine - libm::sin(angle)).abs());
+            assert!(error < 3e-16, "{angle}: {error:e}");
+            let x = 1e-4 * f64::from(i - 50_000);
+            let expected = libm::expm1(x);
+            assert!((expm1_of(x) - expected).abs() <= 5e-16 * expected.abs(), "{x}");
+        }
     }
 
     /// Arguments over the whole range of use and near the limits of argument reduction, compared with libm, whose own

@@ -1,9 +1,9 @@
 //! Concrete damaged plasticity (Lubliner, Oliver, Oller, Onate 1989, Int. J. Solids Structures 25, 299; Lee and Fenves 1998,
 //! J. Eng. Mech. 124, 892; ABAQUS Analysis User's Guide, "Concrete damaged plasticity").
 
-use super::concrete_return::{ConcretePath, ConcreteSurface, tension_share};
+use super::concrete_return::{ConcreteConstants, ConcretePath, ConcreteSurface, tension_share};
 use super::concrete_tables::{ConcreteStrength, ConcreteTable, LARGEST_DAMAGE};
-use super::law::{ReturnPoint, StressReturn, TrialStress, contraction};
+use super::law::{LaneLaw, ReturnPoint, StressReturn, TrialStress, contraction};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::principal;
@@ -52,27 +52,53 @@ const SMALLEST_DILATANCY: f64 = 0.01;
 const SMALLEST_ROUNDING: f64 = 1e-3;
 
 /// States: equivalent plastic strains in compression and tension, damages, degradation of the current stress.
-const COMPRESSION_STRAIN: usize = 0;
-const TENSION_STRAIN: usize = 1;
-const COMPRESSION_DAMAGE: usize = 2;
-const TENSION_DAMAGE: usize = 3;
-const DEGRADATION: usize = 4;
+pub(super) const COMPRESSION_STRAIN: usize = 0;
+pub(super) const TENSION_STRAIN: usize = 1;
+pub(super) const COMPRESSION_DAMAGE: usize = 2;
+pub(super) const TENSION_DAMAGE: usize = 3;
+pub(super) const DEGRADATION: usize = 4;
 
 impl ConcreteDamagedPlasticity {
     /// Returns the degradation d of principal stresses under damages in compression and tension (Lee and Fenves 1998).
     /// Equation (20.18).
-    fn degradation(&self, principal: [f64; 3], [compression, tension]: [f64; 2]) -> f64 {
-        if compression == 0.0 && tension == 0.0 {
-            return 0.0;
-        }
+    #[inline(always)] // Into the return of each point.
+    pub(super) fn degradation(&self, principal: [f64; 3], [compression, tension]: [f64; 2]) -> f64 {
         let [to_tension, to_compression] = self.recovery;
         let share = tension_share(principal);
         1.0 - (1.0 - (1.0 - to_tension * share) * compression)
             * (1.0 - (1.0 - to_compression * (1.0 - share)) * tension)
     }
 
+    /// Returns the energy that a change of the degradation removes, from the effective stress before, the trial, and the share
+    /// of its deviator and the pressure that remain. Trapezoidal work of the nominal stress on the elastic strain, minus the
+    /// change of (1 - d) W: half the change of d times the product of both effective stresses over the moduli.
+    #[inline(always)] // Into the return of each point.
+    pub(super) fn lost_energy(
+        &self,
+        old: TrialStress,
+        trial: TrialStress,
+        [share, pressure]: [f64; 2],
+        change: f64,
+    ) -> f64 {
+        let product = contraction(old.deviator, trial.deviator) * share / (2.0 * self.moduli.shear)
+            + old.pressure * pressure / self.moduli.bulk;
+        0.5 * change * product
+    }
+
+    /// Returns the constants of returns.
+    pub(super) fn constants(&self) -> ConcreteConstants {
+        let dilatancy = self.dilatancy.max(SMALLEST_DILATANCY);
+        ConcreteConstants {
+            bulk: self.moduli.bulk,
+            per_shear: 1.0 / self.moduli.shear,
+            surface: self.surface,
+            dilatancy,
+            rounding: self.tension.first() * (self.eccentricity * dilatancy).max(SMALLEST_ROUNDING),
+        }
+    }
+
     /// Returns whether a limit is reached.
-    fn fails(&self, strengths: [ConcreteStrength; 2], length: f64) -> bool {
+    pub(super) fn fails(&self, strengths: [ConcreteStrength; 2], length: f64) -> bool {
         let Some(failure) = self.failure else { return false };
         let [compression, tension] = strengths;
         let reached = |limit: Option<f64>, value: f64| limit.is_some_and(|limit| value >= limit);
@@ -119,6 +145,10 @@ impl StressReturn for ConcreteDamagedPlasticity {
         self.moduli.energy(stress) / (1.0 - state[DEGRADATION])
     }
 
+    fn lanes(&self) -> LaneLaw<'_> {
+        LaneLaw::Concrete(self)
+    }
+
     /// Equation (20.19).
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let old_degradation = point.state[DEGRADATION];
@@ -138,24 +168,14 @@ impl StressReturn for ConcreteDamagedPlasticity {
         let [mut pressure, mut share] = [trial.pressure, 1.0];
         // A NaN is not returned, so that the run halts.
         if outside > 1e-11 * start_strengths[0] {
-            let dilatancy = self.dilatancy.max(SMALLEST_DILATANCY);
-            let mut path = ConcretePath {
-                tables: &tables,
-                bulk: self.moduli.bulk,
-                per_shear: 1.0 / self.moduli.shear,
-                surface: self.surface,
-                dilatancy,
-                rounding: self.tension.first() * (self.eccentricity * dilatancy).max(SMALLEST_ROUNDING),
-                trial,
-                deviator,
-                start,
-                start_strengths,
-                per_dt: if point.dt > 0.0 { 1.0 / point.dt } else { 0.0 },
-                first_share: None,
-            };
-            path.start_flow(effective, outside);
+            let per_dt = if point.dt > 0.0 { 1.0 / point.dt } else { 0.0 };
+            let (of, first_share) = (self.constants(), f64::NAN);
+            let mut path = ConcretePath { tables, of, trial, deviator, start, start_strengths, per_dt, first_share };
+            if !path.has_one_share(effective) {
+                path.first_share = path.share_at_contact(effective, outside);
+            }
             let end = path.end(outside);
-            let strengths = [0, 1].inline_map(|side| path.strength(&end, side));
+            let strengths = [0, 1].inline_map(|side| path.strength::<false>(&end, side));
             point.state[COMPRESSION_STRAIN] += end.strains[0];
             point.state[TENSION_STRAIN] += end.strains[1];
             point.state[COMPRESSION_DAMAGE] = strengths[0].damage;
@@ -166,19 +186,16 @@ impl StressReturn for ConcreteDamagedPlasticity {
         let degradation = self.degradation(stresses, [point.state[COMPRESSION_DAMAGE], point.state[TENSION_DAMAGE]]);
         point.state[DEGRADATION] = degradation;
         point.return_to(pressure, share * trial.mises, (pressure - trial.pressure) / self.moduli.bulk);
-        // Trapezoidal work of the nominal stress on the elastic strain, minus the change of (1 - d) W: half the change of d
-        // times the product of both effective stresses over the moduli.
         if degradation != old_degradation {
-            let old = TrialStress::of(effective);
-            let product = contraction(old.deviator, trial.deviator) * share / (2.0 * self.moduli.shear)
-                + old.pressure * pressure / self.moduli.bulk;
-            point.lost = 0.5 * (degradation - old_degradation) * product;
+            let change = degradation - old_degradation;
+            point.lost = self.lost_energy(TrialStress::of(effective), trial, [share, pressure], change);
         }
         point.stress = scaled(point.stress, 1.0 - degradation);
     }
 }
 
 /// Returns a stress times a factor.
-fn scaled(stress: [f64; 4], factor: f64) -> [f64; 4] {
+#[inline(always)] // Into the return of each point.
+pub(super) fn scaled(stress: [f64; 4], factor: f64) -> [f64; 4] {
     stress.inline_map(|component| factor * component)
 }

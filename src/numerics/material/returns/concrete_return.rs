@@ -64,11 +64,9 @@ pub struct ConcreteState {
     pub strains: [f64; 2],
 }
 
-/// Path of the return of a trial stress. The flow potential sqrt(l0² + q²) - p tan(psi) depends on pressure and von Mises
-/// stress alone, so that the deviator keeps its direction.
-pub struct ConcretePath<'a> {
-    /// Tables of compression and tension around the equivalent plastic strains at the start of the increment.
-    pub tables: &'a [ConcreteLine<'a>; 2],
+/// Constants of the returns of a law.
+#[derive(Clone, Copy, Debug)]
+pub struct ConcreteConstants {
     /// Bulk modulus without damage, stress.
     pub bulk: f64,
     /// One over the shear modulus without damage.
@@ -79,6 +77,15 @@ pub struct ConcretePath<'a> {
     pub dilatancy: f64,
     /// Rounding l0 of the potential, stress.
     pub rounding: f64,
+}
+
+/// Path of the return of a trial stress. The flow potential sqrt(l0² + q²) - p tan(psi) depends on pressure and von Mises
+/// stress alone, so that the deviator keeps its direction.
+pub struct ConcretePath<'a> {
+    /// Tables of compression and tension around the equivalent plastic strains at the start of the increment.
+    pub tables: [ConcreteLine<'a>; 2],
+    /// Constants of the law.
+    pub of: ConcreteConstants,
     /// Trial of the effective stress.
     pub trial: TrialStress,
     /// Principal values of the deviator of the trial, ascending, stress.
@@ -89,8 +96,8 @@ pub struct ConcretePath<'a> {
     pub start_strengths: [f64; 2],
     /// One over the length of the increment; 0 if that has no length.
     pub per_dt: f64,
-    /// Share of tension where the plastic flow begins; `None` if it is that of the end.
-    pub first_share: Option<f64>,
+    /// Share of tension where the plastic flow begins; NaN if it is that of the end.
+    pub first_share: f64,
 }
 
 impl ConcretePath<'_> {
@@ -98,16 +105,17 @@ impl ConcretePath<'_> {
     /// Equations (20.15), (20.16).
     #[inline(always)] // Into the return of each point.
     pub fn state(&self, flow: f64) -> ConcreteState {
-        let half = 0.5 * self.per_shear;
+        let half = 0.5 * self.of.per_shear;
         let share = 1.0 / (1.0 + flow);
         let mises = share * self.trial.mises;
-        let rounded = (self.rounding * self.rounding + mises * mises).sqrt();
-        let dilation = self.dilatancy * flow * rounded * (self.per_shear / 3.0);
-        let pressure = self.trial.pressure + self.bulk * dilation;
+        let rounded = (self.of.rounding * self.of.rounding + mises * mises).sqrt();
+        let dilation = self.of.dilatancy * flow * rounded * (self.of.per_shear / 3.0);
+        let pressure = self.trial.pressure + self.of.bulk * dilation;
         let principal = self.deviator.inline_map(|value| share * value - pressure);
         // Mean of both ends of the plastic flow: the share of tension may vary quickly.
         let last_share = tension_share(principal);
-        let tension = 0.5 * (last_share + self.first_share.unwrap_or(last_share));
+        let first_share = if self.first_share >= 0.0 { self.first_share } else { last_share };
+        let tension = 0.5 * (last_share + first_share);
         let strain = |deviator: f64| half * flow * share * deviator + dilation / 3.0;
         let [smallest, _, largest] = self.deviator.inline_map(strain);
         let strains = [-(1.0 - tension) * smallest, tension * largest].inline_map(|x| if x > 0.0 { x } else { 0.0 });
@@ -116,59 +124,64 @@ impl ConcretePath<'_> {
 
     /// Returns strength and damage in compression (0) or tension (1). The rate is that of the increment up to the state.
     #[inline(always)] // Into the return of each point.
-    pub fn strength(&self, state: &ConcreteState, side: usize) -> ConcreteStrength {
+    pub fn strength<const LINE: bool>(&self, state: &ConcreteState, side: usize) -> ConcreteStrength {
         let change = state.strains[side];
-        self.tables[side].at(self.start[side] + change, change * self.per_dt)
+        self.tables[side].at::<LINE>(self.start[side] + change, change * self.per_dt)
     }
 
     /// Returns the yield function at a state.
     #[inline(always)] // Into the return of each point.
-    pub fn outside(&self, state: &ConcreteState) -> f64 {
+    pub fn outside<const LINE: bool>(&self, state: &ConcreteState) -> f64 {
         let strengths = [0, 1].inline_map(|side| {
             let change = state.strains[side];
             if change > 0.0 {
-                self.tables[side].effective_at(self.start[side] + change, change * self.per_dt)
+                self.tables[side].effective_at::<LINE>(self.start[side] + change, change * self.per_dt)
             } else {
                 self.start_strengths[side]
             }
         });
-        self.surface.value([state.pressure, state.share * self.trial.mises, state.principal[2]], strengths)
+        self.of.surface.value([state.pressure, state.share * self.trial.mises, state.principal[2]], strengths)
     }
 
-    /// Sets the share of tension at the start of the plastic flow, from the effective stress at the start of the increment
-    /// and the value of the yield function at the trial.
-    pub fn start_flow(&mut self, stress: [f64; 4], outside: f64) {
-        let values = principal(stress);
+    /// Returns whether the share of tension at the trial is that of the effective stress at the start of the increment.
+    #[inline(always)] // Into the return of each point.
+    pub fn has_one_share(&self, stress: [f64; 4]) -> bool {
         let elastic = self.deviator.inline_map(|value| value - self.trial.pressure);
-        if tension_share(values) == tension_share(elastic) {
-            return;
-        }
-        let from = TrialStress::of(stress);
+        tension_share(principal(stress)) == tension_share(elastic)
+    }
+
+    /// Returns the share of tension at the start of the plastic flow, from the effective stress at the start of the increment
+    /// and the value of the yield function at the trial.
+    #[inline(always)] // Into the return of each point.
+    pub fn share_at_contact(&self, stress: [f64; 4], outside: f64) -> f64 {
+        let (from, values) = (TrialStress::of(stress), principal(stress));
         // Secant of the yield function along the elastic path.
-        let inside = self.surface.value([from.pressure, from.mises, values[2]], self.start_strengths).min(0.0);
+        let inside = self.of.surface.value([from.pressure, from.mises, values[2]], self.start_strengths);
+        let inside = if inside < 0.0 { inside } else { 0.0 };
         let part = inside / (inside - outside);
         let mean = from.pressure + part * (self.trial.pressure - from.pressure);
         let contact = [0, 1, 2, 3].inline_map(|i| {
             let deviator = from.deviator[i] + part * (self.trial.deviator[i] - from.deviator[i]);
             if i < 3 { deviator - mean } else { deviator }
         });
-        self.first_share = Some(tension_share(principal(contact)));
+        tension_share(principal(contact))
     }
 
     /// Returns the flow at which the tangent of the yield function at the trial is zero.
-    fn first_flow(&self, first: f64) -> f64 {
-        let ConcreteSurface { pressure: a, meridian: c, scale } = self.surface;
+    #[inline(always)] // Into the return of each point.
+    pub fn first_flow(&self, first: f64) -> f64 {
+        let ConcreteSurface { pressure: a, meridian: c, scale } = self.of.surface;
         let mises = self.trial.mises;
-        let rounded = (self.rounding * self.rounding + mises * mises).sqrt();
-        let dilation = self.dilatancy * rounded * (self.per_shear / 3.0);
-        let rise = self.bulk * dilation;
+        let rounded = (self.of.rounding * self.of.rounding + mises * mises).sqrt();
+        let dilation = self.of.dilatancy * rounded * (self.of.per_shear / 3.0);
+        let rise = self.of.bulk * dilation;
         let fall = self.deviator[2] + rise;
         let largest = self.deviator[2] - self.trial.pressure;
         let [factor, steep] =
             if largest > 0.0 { [-1.0 - a, self.start_strengths[0] / self.start_strengths[1]] } else { [c, 0.0] };
         // Rates of the equivalent plastic strains over the flow, and hardening.
         let share = tension_share(self.deviator.inline_map(|value| value - self.trial.pressure));
-        let strain = |deviator: f64| 0.5 * self.per_shear * deviator + dilation / 3.0;
+        let strain = |deviator: f64| 0.5 * self.of.per_shear * deviator + dilation / 3.0;
         let [compression, tension] =
             [-(1.0 - share) * strain(self.deviator[0]), share * strain(self.deviator[2])].inline_map(|x| x.max(0.0));
         let [harder, tougher] = [self.tables[0].slope(), self.tables[1].slope()];
@@ -180,17 +193,22 @@ impl ConcretePath<'_> {
         if slope > 0.0 { first / slope } else { 1e-3 }
     }
 
+    /// Returns values of the yield function that are zero.
+    #[inline(always)] // Into the return of each point.
+    pub fn tolerance(&self) -> f64 {
+        1e-10 * (self.start_strengths[0] + self.trial.pressure.abs() + self.trial.mises)
+    }
+
     /// Returns the state on the yield surface, from the value of the yield function at the trial. The function becomes
     /// negative under a large pressure, which the flow increases.
     pub fn end(&self, first: f64) -> ConcreteState {
-        let size = self.start_strengths[0] + self.trial.pressure.abs() + self.trial.mises;
         let start = Start { start: 0.0, first, guess: self.first_flow(first) };
         let outside = |flow: f64| {
             let state = self.state(flow);
-            (self.outside(&state), state)
+            (self.outside::<false>(&state), state)
         };
         // Without a root the trial is not finite, and neither is the result.
-        nearby_state(start, f64::INFINITY, 1e-10 * size, outside)
+        nearby_state(start, f64::INFINITY, self.tolerance(), outside)
             .map_or_else(|| self.state(f64::NAN), |(_, state)| state)
     }
 }

@@ -1,7 +1,8 @@
 //! Tables of concrete damaged plasticity: stress and damage over plastic strain, from the rows of the cards.
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
 
 use crate::kernel::hardening::interpolate;
-use crate::kernel::lanes::InlineMap;
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 
 /// Largest damage.
 pub const LARGEST_DAMAGE: f64 = 0.99;
@@ -208,12 +209,119 @@ impl ConcreteTable {
     }
 }
 
+/// Parts of a [`ConcreteTable`] of one rate around a plastic strain of each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct ConcreteLines<'a> {
+    table: &'a ConcreteTable,
+    scale: Lanes,
+    from: Lanes,
+    end: Lanes,
+    stress: [Lanes; 2],
+    damage: [Lanes; 2],
+    elastic: [Lanes; 2],
+    effective: Lanes,
+}
+
+impl ConcreteTable {
+    /// Returns whether the table has a curve at one rate only.
+    pub fn is_static(&self) -> bool {
+        self.rates.len() == 1
+    }
+
+    /// Returns parts that [`ConcreteLines::fill`] sets.
+    #[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
+    pub fn empty_lines(&self) -> ConcreteLines<'_> {
+        ConcreteLines {
+            table: self,
+            scale: [1.0; LANES],
+            from: [0.0; LANES],
+            end: [0.0; LANES],
+            stress: [[0.0; LANES]; 2],
+            damage: [[0.0; LANES]; 2],
+            elastic: [[0.0; LANES]; 2],
+            effective: [0.0; LANES],
+        }
+    }
+}
+
+impl<'a> ConcreteLines<'a> {
+    /// Sets the parts of [`ConcreteTable::line`], for elements of given lengths.
+    #[inline(always)] // Likewise.
+    pub fn fill(&mut self, from: &Lanes, length: &Lanes) {
+        let (table, lines, zero) = (self.table, self, [0.0; LANES]);
+        lines.from = *from;
+        if table.abscissa == ConcreteAbscissa::Displacement {
+            for l in 0..LANES {
+                lines.scale[l] = 1.0 / length[l];
+            }
+        }
+        let rows = &table.curves[0];
+        // Number of rows at or below the plastic strain.
+        let mut below = [0_u64; LANES];
+        for row in rows {
+            for l in 0..LANES {
+                below[l] += u64::from(from[l] >= row.abscissa * lines.scale[l] - row.elastic);
+            }
+        }
+        // Both ends of the part; before the first row and beyond the last one they are the same row.
+        let [mut start_abscissa, mut stresses, mut damages, mut elastics] = [zero; 4];
+        let [mut end_abscissa, mut to_stress, mut to_damage, mut to_elastic] = [zero; 4];
+        let last = rows.len() - 1;
+        for l in 0..LANES {
+            let next = below[l] as usize;
+            let (a, b) = (&rows[next.max(1) - 1], &rows[next.min(last)]);
+            (start_abscissa[l], stresses[l], damages[l], elastics[l]) = (a.abscissa, a.stress, a.damage, a.elastic);
+            (end_abscissa[l], to_stress[l], to_damage[l], to_elastic[l]) = (b.abscissa, b.stress, b.damage, b.elastic);
+        }
+        for l in 0..LANES {
+            let start = start_abscissa[l] * lines.scale[l] - elastics[l];
+            let end = end_abscissa[l] * lines.scale[l] - to_elastic[l];
+            let is_line = end > start;
+            let (per, distance) = (1.0 / (end - start), from[l] - start);
+            let line = |low: f64, high: f64| {
+                let slope = per * (high - low);
+                if is_line { [low + slope * distance, slope] } else { [low, 0.0] }
+            };
+            [lines.stress[0][l], lines.stress[1][l]] = line(stresses[l], to_stress[l]);
+            [lines.damage[0][l], lines.damage[1][l]] = line(damages[l], to_damage[l]);
+            [lines.elastic[0][l], lines.elastic[1][l]] = line(elastics[l], to_elastic[l]);
+            let last = if from[l] >= end { f64::INFINITY } else { end };
+            lines.end[l] = if is_line { end } else { last };
+            lines.effective[l] = lines.stress[0][l] / (1.0 - lines.damage[0][l]);
+        }
+    }
+
+    /// Returns the part of a lane.
+    #[inline(always)] // Likewise.
+    pub fn of(&self, l: usize) -> ConcreteLine<'a> {
+        let [stress, damage, elastic] =
+            [&self.stress, &self.damage, &self.elastic].inline_map(|[value, slope]| [value[l], slope[l]]);
+        ConcreteLine {
+            table: self.table,
+            scale: self.scale[l],
+            range: [self.from[l], self.end[l]],
+            from: self.from[l],
+            stress,
+            damage,
+            elastic,
+            effective: self.effective[l],
+        }
+    }
+}
+
+/// Methods with `LINE` use the part alone, also beyond its end, as loops over lanes need.
 impl ConcreteLine<'_> {
+    /// Returns whether the values at a plastic strain are on the part.
+    #[inline(always)] // Into the return of each point.
+    pub fn holds_at(&self, plastic: f64) -> bool {
+        let [start, end] = self.range;
+        plastic >= start && plastic <= end
+    }
+
     /// Returns the values at a plastic strain and its rate, like [`ConcreteTable::strength`].
     #[inline(always)] // Into the return of each point.
-    pub fn at(&self, plastic: f64, rate: f64) -> ConcreteStrength {
-        let [start, end] = self.range;
-        if plastic >= start && plastic <= end {
+    pub fn at<const LINE: bool>(&self, plastic: f64, rate: f64) -> ConcreteStrength {
+        if LINE || self.holds_at(plastic) {
             let [stress, damage, elastic] = [self.stress, self.damage, self.elastic]
                 .inline_map(|[value, slope]| value + slope * (plastic - self.from));
             return ConcreteStrength { effective: stress / (1.0 - damage), damage, inelastic: plastic + elastic };
@@ -223,9 +331,8 @@ impl ConcreteLine<'_> {
 
     /// Returns the effective strength of [`ConcreteLine::at`].
     #[inline(always)] // Into the return of each point.
-    pub fn effective_at(&self, plastic: f64, rate: f64) -> f64 {
-        let [start, end] = self.range;
-        if plastic >= start && plastic <= end {
+    pub fn effective_at<const LINE: bool>(&self, plastic: f64, rate: f64) -> f64 {
+        if LINE || self.holds_at(plastic) {
             let distance = plastic - self.from;
             let [stress, damage] = [self.stress, self.damage].inline_map(|[value, slope]| value + slope * distance);
             return stress / (1.0 - damage);
@@ -234,6 +341,7 @@ impl ConcreteLine<'_> {
     }
 
     /// Returns the slope of the effective strength over the plastic strain at rest.
+    #[inline(always)] // Into the return of each point.
     pub fn slope(&self) -> f64 {
         (self.stress[1] + self.effective * self.damage[1]) / (1.0 - self.damage[0])
     }

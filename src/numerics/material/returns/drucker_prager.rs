@@ -1,9 +1,11 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
-use super::law::{ReturnPoint, StressReturn, TrialStress, contraction, determinant};
+use super::lane_roots::{LaneStarts, any, lane_roots};
+use super::law::{LaneLaw, ReturnPoint, StressReturn, TrialStress, contraction, determinant};
+use super::points::ReturnedPoints;
 use super::root::{Start, nearby_root, nearby_state};
-use crate::kernel::hardening::{LinearTable, RateFactor, TableLine};
-use crate::kernel::lanes::InlineMap;
+use crate::kernel::hardening::{LinearTable, RateFactor, TableLine, TableLines};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, put_column};
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::mises;
 use crate::kernel::transcendental::power_of;
@@ -72,6 +74,7 @@ struct Invariants {
 
 impl Invariants {
     /// Returns the invariants that a shape of the yield surface needs.
+    #[inline(always)] // Into the return of each point.
     fn of(pressure: f64, deviator: [f64; 4], shape: DruckerPragerShape) -> Invariants {
         let mises = mises(deviator);
         let third =
@@ -91,6 +94,7 @@ impl Invariants {
 
 impl DruckerPragerShape {
     /// Returns whether the surface does not depend on the third invariant.
+    #[inline(always)] // Into the return of each point.
     fn is_round(self) -> bool {
         !matches!(self, DruckerPragerShape::Linear { ratio, .. } if ratio < 1.0)
     }
@@ -159,22 +163,34 @@ struct PathState {
     measure: f64,
 }
 
-/// Trial stress of an increment, with what is constant on its path of return.
-struct ReturnIncrement<'a> {
+/// Constants of all returns of a law.
+#[derive(Clone, Copy)]
+struct ReturnConstants<'a> {
     law: &'a DruckerPrager,
+    /// That of the law; the compiler knows its kind in loops over lanes.
+    shape: DruckerPragerShape,
+    /// Invariants of the test with a stress of 1.
+    test: Invariants,
+    /// Rate factor at rest.
+    at_rest: f64,
+    /// Rounding of the potential of the other forms than the linear one.
+    rounding: f64,
+}
+
+/// Trial stress of an increment, with what is constant on its path of return.
+#[derive(Clone, Copy)]
+struct ReturnIncrement<'a> {
+    of: ReturnConstants<'a>,
     trial: TrialStress,
     strain_before: f64,
     /// Hardening near that strain, and the strength there without flow.
     hardening: TableLine<'a>,
     strength_before: f64,
-    /// Invariants of the test with a stress of 1.
-    test: Invariants,
+    /// Inverse of the length of the increment.
     per_dt: f64,
-    /// Direction of the deviatoric flow of the linear form.
+    /// Direction of the deviatoric flow, and equivalent plastic strain per plastic multiplier, of the linear form.
     direction: [f64; 4],
-    /// Equivalent plastic strain per plastic multiplier of the linear form; rounding of the potential of the other forms.
     per_multiplier: f64,
-    rounding: f64,
 }
 
 /// Only state: equivalent plastic strain.
@@ -214,46 +230,54 @@ impl DruckerPrager {
         }
     }
 
-    /// Returns the equivalent plastic strain per plastic multiplier of the linear form: the strain of the test along its
-    /// stress. Equation (20.9).
-    fn strain_per_multiplier(&self, ratio: f64) -> f64 {
-        let unit = self.test.invariants(1.0);
-        let deviatoric = if unit.third == 0.0 { 0.5 * (1.0 + 1.0 / ratio) } else { unit.measure(ratio) };
-        deviatoric - unit.pressure * self.dilatancy
+    /// Returns the constants of returns; `shape` is that of the law.
+    #[inline(always)] // Into the return of each point.
+    fn constants(&self, shape: DruckerPragerShape) -> ReturnConstants<'_> {
+        let at_rest = self.rate.as_ref().map_or(1.0, |factor| factor.at(0.0, 0.0));
+        ReturnConstants { law: self, shape, test: self.test.invariants(1.0), at_rest, rounding: self.rounding() }
     }
 }
 
+/// Root on the path of return: where it starts, and what it does not reach.
+struct ReturnWay {
+    start: Start,
+    limit: f64,
+}
+
+/// Methods with `LINE` use the line of the table alone, also beyond its end, as loops over lanes need.
 impl<'a> ReturnIncrement<'a> {
-    fn new(law: &'a DruckerPrager, trial: TrialStress, strain_before: f64, dt: f64) -> ReturnIncrement<'a> {
-        let hardening = law.hardening.line(strain_before);
-        let factor = law.rate.as_ref().map_or(1.0, |factor| factor.at(0.0, 0.0));
-        let strength_before = law.shape.strength(law.test, factor * hardening.value);
-        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let (direction, per_multiplier, rounding) = ([0.0; 4], 0.0, 0.0);
-        ReturnIncrement {
-            law,
-            trial,
-            strain_before,
-            hardening,
-            strength_before,
-            test: law.test.invariants(1.0),
-            per_dt,
-            direction,
-            per_multiplier,
-            rounding,
-        }
+    #[inline(always)] // Into the return of each point.
+    fn new(
+        of: ReturnConstants<'a>,
+        trial: TrialStress,
+        strain_before: f64,
+        hardening: TableLine<'a>,
+    ) -> ReturnIncrement<'a> {
+        let (direction, per_multiplier, per_dt) = ([0.0; 4], 0.0, 0.0);
+        let (size, Invariants { pressure, mises, third }) = (hardening.value * of.at_rest, of.test);
+        let strength_before = of.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third });
+        ReturnIncrement { of, trial, strain_before, hardening, strength_before, per_dt, direction, per_multiplier }
     }
 
-    /// Sets the flow of a stress outside the yield surface.
-    fn set_flow(&mut self) {
-        let law = self.law;
-        let DruckerPragerShape::Linear { ratio, .. } = law.shape else {
-            self.rounding = law.rounding();
-            return;
+    /// Returns the value of the yield function at the trial, and the size of the stress.
+    #[inline(always)] // Into the return of each point.
+    fn first(&self) -> [f64; 2] {
+        let TrialStress { pressure, deviator, mises } = self.trial;
+        let stress = if self.of.shape.is_round() {
+            Invariants { pressure, mises, third: 0.0 }
+        } else {
+            Invariants::of(pressure, deviator, self.of.shape)
         };
-        self.per_multiplier = law.strain_per_multiplier(ratio);
+        [self.of.shape.measure(stress) - self.strength_before, self.strength_before.abs() + pressure.abs() + mises]
+    }
+
+    /// Sets the flow of the linear form for a stress outside the yield surface.
+    #[inline(always)] // Into the return of each point.
+    fn set_flow(&mut self) {
+        let DruckerPragerShape::Linear { ratio, .. } = self.of.shape else { return };
+        self.per_multiplier = self.strain_per_multiplier(ratio);
         let (s, q) = (self.trial.deviator, self.trial.mises);
-        if ratio == 1.0 {
+        if self.of.shape.is_round() {
             self.direction = s.inline_map(|part| 1.5 / q * part);
             return;
         }
@@ -268,143 +292,272 @@ impl<'a> ReturnIncrement<'a> {
         self.direction = [0, 1, 2, 3].inline_map(part);
     }
 
+    /// Returns the equivalent plastic strain per plastic multiplier of the linear form: the strain of the test along its
+    /// stress. Equation (20.9).
+    #[inline(always)] // Into the return of each point.
+    fn strain_per_multiplier(&self, ratio: f64) -> f64 {
+        let unit = self.of.test;
+        let deviatoric = if unit.third == 0.0 { 0.5 * (1.0 + 1.0 / ratio) } else { unit.measure(ratio) };
+        deviatoric - unit.pressure * self.of.law.dilatancy
+    }
+
     /// Returns the deviator of the linear form after flow with a plastic multiplier.
+    #[inline(always)] // Into the return of each point.
     fn linear_deviator(&self, multiplier: f64) -> [f64; 4] {
-        let step = 2.0 * self.law.moduli.shear * multiplier;
+        let step = 2.0 * self.of.law.moduli.shear * multiplier;
         [0, 1, 2, 3].inline_map(|i| self.trial.deviator[i] - step * self.direction[i])
     }
 
-    /// Returns the state of the linear form after flow with a plastic multiplier. Equation (20.8).
+    /// Returns the state at an argument of the path: of the linear form the plastic multiplier, of the other forms the von
+    /// Mises stress. Equation (20.8).
     #[inline(always)] // Into the return of each point.
-    fn after(&self, multiplier: f64) -> PathState {
-        let ReturnIncrement { law, trial, .. } = self;
-        let pressure = trial.pressure + law.moduli.bulk * law.dilatancy * multiplier;
-        let stress = if law.shape.is_round() {
-            Invariants { pressure, mises: trial.mises - 3.0 * law.moduli.shear * multiplier, third: 0.0 }
-        } else {
-            Invariants::of(pressure, self.linear_deviator(multiplier), law.shape)
-        };
-        PathState { pressure, hardening: multiplier * self.per_multiplier, measure: law.shape.measure(stress) }
-    }
-
-    /// Returns the state of the other forms with a von Mises stress. Equation (20.8).
-    #[inline(always)] // Into the return of each point.
-    fn with_mises(&self, mises: f64) -> PathState {
-        let ReturnIncrement { law, trial, .. } = self;
+    fn state<const LINE: bool>(&self, argument: f64) -> PathState {
+        let (ReturnConstants { law, shape, .. }, trial) = (self.of, self.trial);
+        if let DruckerPragerShape::Linear { .. } = shape {
+            let multiplier = argument;
+            let pressure = trial.pressure + law.moduli.bulk * law.dilatancy * multiplier;
+            let stress = if shape.is_round() {
+                Invariants { pressure, mises: trial.mises - 3.0 * law.moduli.shear * multiplier, third: 0.0 }
+            } else {
+                Invariants::of(pressure, self.linear_deviator(multiplier), shape)
+            };
+            return PathState { pressure, hardening: multiplier * self.per_multiplier, measure: shape.measure(stress) };
+        }
+        let mises = argument;
         let potential = self.potential(mises);
         // The derivative of the potential by the von Mises stress is the von Mises stress over the potential.
         let multiplier = (trial.mises - mises) * potential / (3.0 * law.moduli.shear * mises);
         let pressure = trial.pressure + law.moduli.bulk * multiplier * law.dilatancy;
         let work = multiplier * (mises * mises / potential - pressure * law.dilatancy);
-        let measure = law.shape.measure(Invariants { pressure, mises, third: 0.0 });
-        PathState { pressure, hardening: self.strain_of_work(work), measure }
+        let measure = shape.measure(Invariants { pressure, mises, third: 0.0 });
+        PathState { pressure, hardening: self.strain_of_work::<LINE>(work), measure }
+    }
+
+    /// Returns the deviator at an argument of the path.
+    #[inline(always)] // Into the return of each point.
+    fn deviator(&self, argument: f64) -> [f64; 4] {
+        if let DruckerPragerShape::Linear { .. } = self.of.shape {
+            return self.linear_deviator(argument);
+        }
+        let share = argument / self.trial.mises;
+        self.trial.deviator.inline_map(|part| share * part)
     }
 
     /// Returns sqrt(l0² + q²), the flow potential without the pressure, of the smooth forms.
     #[inline(always)] // Into the return of each point.
     fn potential(&self, mises: f64) -> f64 {
-        (self.rounding * self.rounding + mises * mises).sqrt()
+        (self.of.rounding * self.of.rounding + mises * mises).sqrt()
     }
 
     /// Returns the increment of the equivalent plastic strain for a plastic work. Equation (20.9).
     #[inline(always)] // Into the return of each point.
-    fn strain_of_work(&self, work: f64) -> f64 {
+    fn strain_of_work<const LINE: bool>(&self, work: f64) -> f64 {
         // Work over the yield stress in the middle of the increment.
-        let estimate = work.max(0.0) / self.hardening.value;
-        let middle = self.hardening.at(self.strain_before + 0.5 * estimate);
-        if middle == self.hardening.value { estimate } else { work.max(0.0) / middle }
+        let work = if work > 0.0 { work } else { 0.0 };
+        let estimate = work / self.hardening.value;
+        work / self.hardening.value_at::<LINE>(self.strain_before + 0.5 * estimate)
     }
 
     /// Returns the yield function at a state.
     #[inline(always)] // Into the return of each point.
-    fn outside(&self, state: PathState) -> f64 {
-        state.measure - self.strength(state.hardening)
+    fn outside<const LINE: bool>(&self, state: PathState) -> f64 {
+        state.measure - self.strength::<LINE>(state.hardening)
     }
 
     /// Returns the strength after a hardening increment.
     #[inline(always)] // Into the return of each point.
-    fn strength(&self, hardening: f64) -> f64 {
-        let yield_stress = self.hardening.at(self.strain_before + hardening);
-        let stress = |factor: f64| {
-            let size = factor * yield_stress;
-            let Invariants { pressure, mises, third } = self.test;
-            self.law.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third })
+    fn strength<const LINE: bool>(&self, hardening: f64) -> f64 {
+        let yield_stress = self.hardening.value_at::<LINE>(self.strain_before + hardening);
+        let factor = match &self.of.law.rate {
+            Some(rate) if !LINE => rate.at(hardening * self.per_dt, 0.0),
+            _ => 1.0,
         };
-        match &self.law.rate {
-            None if yield_stress == self.hardening.value => self.strength_before,
-            None => stress(1.0),
-            Some(rate) => stress(rate.at(hardening * self.per_dt, 0.0)),
-        }
+        let (size, Invariants { pressure, mises, third }) = (factor * yield_stress, self.of.test);
+        self.of.shape.measure(Invariants { pressure: size * pressure, mises: size * mises, third })
     }
 
-    /// Returns the end of the return along the deviator, from the value of the yield function at the trial; `None` if that
-    /// ends at the apex only.
-    fn end(&self, first: f64, size: f64) -> Option<(PathState, [f64; 4])> {
-        let ReturnIncrement { law, trial, .. } = self;
+    /// Returns where the root on the path starts, from the value of the yield function at the trial.
+    #[inline(always)] // Into the return of each point.
+    fn way(&self, first: f64) -> ReturnWay {
+        let (ReturnConstants { law, shape, .. }, trial) = (self.of, self.trial);
         let ElasticModuli { bulk, shear } = law.moduli;
-        let tolerance = ACCURACY * size;
-        if let DruckerPragerShape::Linear { friction, ratio } = law.shape {
-            let unit = law.shape.strength(law.test, 1.0);
-            let along = if ratio == 1.0 { 1.5 } else { contraction(self.direction, self.direction) };
+        if let DruckerPragerShape::Linear { friction, .. } = shape {
+            let unit = shape.measure(self.of.test);
+            let along = if shape.is_round() { 1.5 } else { contraction(self.direction, self.direction) };
             let slope = 2.0 * shear * along
                 + bulk * law.dilatancy * friction
                 + unit * self.hardening.slope * self.per_multiplier;
             // The measure decreases linearly to zero.
             let measure = first + self.strength_before + trial.pressure * friction;
-            let longest = trial.mises * trial.mises / (3.0 * shear * measure);
+            let limit = trial.mises * trial.mises / (3.0 * shear * measure);
             let guess = if slope > 0.0 { first / slope } else { f64::NAN };
-            let start = Start { start: 0.0, first, guess };
-            let outside = |multiplier: f64| {
-                let state = self.after(multiplier);
-                (self.outside(state), state)
-            };
-            let (multiplier, state) = nearby_state(start, longest, tolerance, outside)?;
-            return Some((state, self.linear_deviator(multiplier)));
+            return ReturnWay { start: Start { start: 0.0, first, guess }, limit };
         }
         let q = trial.mises;
-        let [by_mises, by_pressure] = law.shape.slopes(q);
+        let [by_mises, by_pressure] = shape.slopes(q);
         let potential = self.potential(q);
         // Derivatives of the plastic multiplier and of the hardening strain by the falling von Mises stress.
         let multiplier = potential / (3.0 * shear * q);
         let strain = multiplier * (q * q / potential - trial.pressure * law.dilatancy) / self.hardening.value;
+        let strain = if strain > 0.0 { strain } else { 0.0 };
         let perfect = by_mises + by_pressure * bulk * law.dilatancy * multiplier;
-        let slope = perfect + self.slope_of_strength() * strain.max(0.0);
-        let start = Start { start: q, first, guess: q - first / slope.max(0.1 * perfect) };
+        let slope = perfect + self.slope_of_strength() * strain;
+        let slope = if slope > 0.1 * perfect { slope } else { 0.1 * perfect };
         // The smooth potential reaches all pressures before the von Mises stress vanishes.
-        let outside = |mises: f64| {
-            let state = self.with_mises(mises);
-            (self.outside(state), state)
+        ReturnWay { start: Start { start: q, first, guess: q - first / slope }, limit: 1e-12 * q }
+    }
+
+    /// Returns the end of the return along the deviator, from the value of the yield function at the trial; `None` if that
+    /// ends at the apex only.
+    fn end(&self, first: f64, size: f64) -> Option<(PathState, [f64; 4])> {
+        let ReturnWay { start, limit } = self.way(first);
+        let outside = |argument: f64| {
+            let state = self.state::<false>(argument);
+            (self.outside::<false>(state), state)
         };
-        let (mises, state) = nearby_state(start, 1e-12 * q, tolerance, outside)?;
-        let share = mises / q;
-        Some((state, trial.deviator.inline_map(|part| share * part)))
+        let (argument, state) = nearby_state(start, limit, ACCURACY * size, outside)?;
+        Some((state, self.deviator(argument)))
     }
 
     /// Returns the slope of the strength over the equivalent plastic strain, from that over the yield stress.
+    #[inline(always)] // Into the return of each point.
     fn slope_of_strength(&self) -> f64 {
-        let (test, yield_stress) = (self.law.test.invariants(1.0), self.hardening.value);
-        let [by_mises, by_pressure] = self.law.shape.slopes(test.mises * yield_stress);
+        let (test, yield_stress) = (self.of.test, self.hardening.value);
+        let [by_mises, by_pressure] = self.of.shape.slopes(test.mises * yield_stress);
         (by_mises * test.mises - by_pressure * test.pressure) * self.hardening.slope
     }
 
     /// Returns the state at the apex: the pressure alone returns. Equation (20.10).
     fn at_apex(&self) -> PathState {
-        let ReturnIncrement { law, trial, .. } = self;
+        let (ReturnConstants { law, .. }, trial) = (self.of, self.trial);
         let per_pressure = if law.dilatancy > 0.0 { 1.0 / (law.moduli.bulk * law.dilatancy) } else { 0.0 };
         let state = |pressure: f64| {
             let multiplier = (pressure - trial.pressure) * per_pressure;
             let hardening = match law.shape {
                 DruckerPragerShape::Linear { .. } => multiplier * self.per_multiplier,
-                _ => self.strain_of_work(-multiplier * pressure * law.dilatancy),
+                _ => self.strain_of_work::<false>(-multiplier * pressure * law.dilatancy),
             };
             PathState { pressure, hardening, measure: 0.0 }
         };
-        let outside = |pressure: f64| law.apex_pressure(self.strength(state(pressure).hardening)) - pressure;
+        let outside = |pressure: f64| law.apex_pressure(self.strength::<false>(state(pressure).hardening)) - pressure;
         let first = outside(trial.pressure).max(0.0);
         let start = Start { start: trial.pressure, first, guess: trial.pressure + first };
         let size = self.strength_before.abs() + trial.pressure.abs();
         // Softening moves the apex further.
         state(nearby_root(start, f64::INFINITY, ACCURACY * size, outside).unwrap_or(trial.pressure))
+    }
+}
+
+/// Paths of the lanes of a block.
+struct LanePaths<'a> {
+    strains: Lanes,
+    lines: TableLines<'a>,
+    directions: [Lanes; 4],
+    per_multiplier: Lanes,
+}
+
+impl<'a> LanePaths<'a> {
+    #[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
+    fn increment(&self, of: ReturnConstants<'a>, points: &ReturnedPoints, l: usize) -> ReturnIncrement<'a> {
+        let mut increment = ReturnIncrement::new(of, points.trial(l), self.strains[l], self.lines.of(l));
+        increment.direction = column(&self.directions, l);
+        increment.per_multiplier = self.per_multiplier[l];
+        increment
+    }
+}
+
+impl DruckerPrager {
+    /// Returns the points of a block to the yield surface, with a law without rate. Leaves to [`StressReturn::update`] what
+    /// ends at the apex or beyond the line of the table.
+    #[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
+    pub(super) fn return_lanes(&self, states: &mut [Lanes], points: &mut ReturnedPoints) {
+        let strains = &mut states[STRAIN];
+        match self.shape {
+            _ if self.rate.is_some() => (),
+            // The compiler knows the kinds of these shapes in the loops.
+            DruckerPragerShape::Linear { friction, ratio: 1.0 } => {
+                self.return_shape(DruckerPragerShape::Linear { friction, ratio: 1.0 }, strains, points);
+            }
+            DruckerPragerShape::Linear { friction, ratio } => {
+                self.return_shape(DruckerPragerShape::Linear { friction, ratio }, strains, points);
+            }
+            DruckerPragerShape::Hyperbolic { friction, apex } => {
+                self.return_shape(DruckerPragerShape::Hyperbolic { friction, apex }, strains, points);
+            }
+            DruckerPragerShape::Exponent { factor, exponent } => {
+                self.return_shape(DruckerPragerShape::Exponent { factor, exponent }, strains, points);
+            }
+        }
+    }
+
+    #[inline(always)] // Likewise.
+    fn return_shape(&self, shape: DruckerPragerShape, strains: &mut Lanes, points: &mut ReturnedPoints) {
+        let of = ReturnConstants { at_rest: 1.0, ..self.constants(shape) };
+        let zero = [0.0; LANES];
+        let mut starts =
+            LaneStarts { start: zero, first: zero, guess: zero, limit: zero, tolerance: zero, open: [0; LANES] };
+        let (lines, directions) = (self.hardening.lines(strains), [zero; 4]);
+        let mut paths = LanePaths { strains: *strains, lines, directions, per_multiplier: zero };
+        let mut apices = [0; LANES];
+        for l in 0..LANES {
+            let mut increment = paths.increment(of, points, l);
+            let [first, size] = increment.first();
+            increment.set_flow();
+            put_column(&mut paths.directions, l, increment.direction);
+            paths.per_multiplier[l] = increment.per_multiplier;
+            let ReturnWay { start, limit } = increment.way(first);
+            (starts.start[l], starts.first[l], starts.guess[l]) = (start.start, first, start.guess);
+            (starts.limit[l], starts.tolerance[l]) = (limit, ACCURACY * size);
+            let is_outside = points.open[l] & u64::from(first > 2.0 * ACCURACY * size);
+            apices[l] = is_outside & u64::from(points.mises[l] <= 1e-12 * size);
+            starts.open[l] = is_outside & (1 - apices[l]);
+        }
+        if any(&starts.open) {
+            self.return_open_lanes(of, &starts, &mut paths, points);
+            *strains = paths.strains;
+        } else {
+            points.stay_elastic();
+        }
+        for l in 0..LANES {
+            points.open[l] |= apices[l];
+        }
+    }
+
+    /// Returns the lanes with a root.
+    #[inline(always)] // Likewise.
+    fn return_open_lanes(
+        &self,
+        of: ReturnConstants<'_>,
+        starts: &LaneStarts,
+        paths: &mut LanePaths<'_>,
+        points: &mut ReturnedPoints,
+    ) {
+        let [mut pressures, mut hardenings] = [[0.0; LANES]; 2];
+        let (arguments, failed) = lane_roots(
+            starts,
+            #[inline(always)]
+            |arguments| {
+                let mut values = [0.0; LANES];
+                for l in 0..LANES {
+                    let increment = paths.increment(of, points, l);
+                    let state = increment.state::<true>(arguments[l]);
+                    (pressures[l], hardenings[l]) = (state.pressure, state.hardening);
+                    values[l] = increment.outside::<true>(state);
+                }
+                values
+            },
+        );
+        for l in 0..LANES {
+            let increment = paths.increment(of, points, l);
+            let strain = increment.strain_before + hardenings[l];
+            let is_returned = starts.open[l] & (1 - failed[l]) & u64::from(increment.hardening.holds_at(strain));
+            let (TrialStress { pressure, deviator, .. }, end) = (increment.trial, increment.deviator(arguments[l]));
+            let end = [0, 1, 2, 3].inline_map(|i| if is_returned == 1 { end[i] } else { deviator[i] });
+            let mean = if is_returned == 1 { pressures[l] } else { pressure };
+            points.return_to_deviator(l, mean, end, (mean - pressure) / self.moduli.bulk);
+            points.open[l] = starts.open[l] & (1 - is_returned);
+            paths.strains[l] = if is_returned == 1 { strain } else { increment.strain_before };
+        }
     }
 }
 
@@ -437,17 +590,17 @@ impl StressReturn for DruckerPrager {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
     }
 
+    fn lanes(&self) -> LaneLaw<'_> {
+        LaneLaw::DruckerPrager(self)
+    }
+
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = point.trial;
-        let mut increment = ReturnIncrement::new(self, trial, point.state[STRAIN], point.dt);
-        let stress = if self.shape.is_round() {
-            Invariants { pressure: trial.pressure, mises: trial.mises, third: 0.0 }
-        } else {
-            Invariants::of(trial.pressure, trial.deviator, self.shape)
-        };
-        let strength = increment.strength_before;
-        let first = self.shape.measure(stress) - strength;
-        let size = strength.abs() + trial.pressure.abs() + trial.mises;
+        let strain_before = point.state[STRAIN];
+        let (of, hardening) = (self.constants(self.shape), self.hardening.line(strain_before));
+        let mut increment = ReturnIncrement::new(of, trial, strain_before, hardening);
+        increment.per_dt = if point.dt > 0.0 { 1.0 / point.dt } else { 0.0 };
+        let [first, size] = increment.first();
         // A NaN is not returned, so that the run halts.
         if first.is_nan() || first <= 2.0 * ACCURACY * size {
             return point.stay_elastic();
@@ -526,7 +679,7 @@ mod tests {
         let ratio = 0.8;
         let law = law(DruckerPragerShape::Linear { friction: 0.9, ratio });
         let trial = TrialStress::of([1.0, -2.0, 0.4, 0.7]);
-        let mut increment = ReturnIncrement::new(&law, trial, 0.0, 1.0);
+        let mut increment = ReturnIncrement::new(law.constants(law.shape), trial, 0.0, law.hardening.line(0.0));
         increment.set_flow();
         let measure = |deviator: [f64; 4]| Invariants::of(0.0, deviator, law.shape).measure(ratio);
         for i in 0..4 {

@@ -1,12 +1,15 @@
 //! Anisotropic yield of Hill (Hill 1948, Proc. R. Soc. A 193, 281; ABAQUS Analysis User's Guide, "Anisotropic
 //! yield/creep"), with isotropic hardening. The axes r, z, hoop of the material turn with it.
 
-use super::law::{ReturnPoint, StressReturn};
+use super::lane_roots::{LaneStarts, any, lane_roots};
+use super::law::{LaneLaw, ReturnPoint, StressReturn};
+use super::points::ReturnedPoints;
 use super::root::{Start, nearby_state};
-use crate::kernel::hardening::LinearTable;
-use crate::kernel::lanes::InlineMap;
+use crate::kernel::hardening::{LinearTable, TableLine, TableLines};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, put_column};
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::rotation::rotate;
+use crate::kernel::transcendental::cos_sin_of;
 use crate::variables::{Variable, VariableComponent};
 
 /// Metal whose yield stress depends on the direction.
@@ -54,6 +57,7 @@ impl HillPotential {
     }
 
     /// Returns the equivalent stress of stress components. Equation (20.33).
+    #[inline(always)] // Into the return of each point.
     fn equivalent(&self, components: Components) -> f64 {
         let [a, b, shear] = components;
         let [of_a, of_b, of_shear] = self.factors;
@@ -62,6 +66,7 @@ impl HillPotential {
 
     /// Returns the trial components reduced by plastic flow. `flow` is 2 G times the plastic multiplier over the
     /// equivalent stress: (1 + flow P) S = S_trial, with P diagonal in these components. Equation (20.34).
+    #[inline(always)] // Likewise.
     fn reduced(&self, trial: Components, flow: f64) -> Components {
         let [of_a, of_b, of_shear] = self.factors;
         [trial[0] / (1.0 + flow * of_a), trial[1] / (1.0 + flow * of_b), trial[2] / (1.0 + flow * of_shear)]
@@ -89,52 +94,167 @@ impl StressReturn for HillPotential {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
     }
 
+    fn lanes(&self) -> LaneLaw<'_> {
+        LaneLaw::Hill(self)
+    }
+
     /// Equation (20.34).
     fn update(&self, point: &mut ReturnPoint<'_>) {
-        let elastic = point.trial.stress();
-        let [cosine, sine] =
-            if point.angle == 0.0 { [1.0, 0.0] } else { [libm::cos(point.angle), libm::sin(point.angle)] };
-        let [rr, zz, hoop, shear] = rotate(elastic, [cosine, -sine]);
-        let [a, b] = self.directions;
-        let trial = [rr * a[0] + zz * a[1] + hoop * a[2], rr * b[0] + zz * b[1] + hoop * b[2], shear];
+        let (elastic, rotation) = (point.trial.stress(), cos_sin_of(point.angle));
         let strain_before = point.state[STRAIN];
-        let hardening = self.hardening.line(strain_before);
-        let yield_before = hardening.value;
-        let trial_equivalent = self.equivalent(trial);
+        let path = self.path(elastic, rotation, (strain_before, self.hardening.line(strain_before)));
         point.stress = elastic;
         point.plastic = [0.0; 4];
         // A NaN is not returned, so that the run halts.
-        if trial_equivalent.is_nan() || trial_equivalent <= yield_before * (1.0 + 1e-14) {
+        if !path.is_outside() {
             return;
         }
-        let double_shear = 2.0 * self.moduli.shear;
-        let strain = |flow: f64, equivalent: f64| flow * equivalent / double_shear;
-        // Nearly linear in the flow, also for large increments.
-        let outside = |flow: f64| {
-            let end = self.reduced(trial, flow);
-            let equivalent = self.equivalent(end);
-            let strain_after = strain_before + strain(flow, equivalent);
-            (1.0 - hardening.at(strain_after) / equivalent, (end, strain_after))
-        };
-        // The derivative of the equivalent stress q by the flow is -sum(f² s²)/q.
-        let [of_a, of_b, of_shear] = self.factors;
-        let squares = (of_a * trial[0]) * (of_a * trial[0]) + (of_b * trial[1]) * (of_b * trial[1]);
-        let fall = (squares + 2.0 * (of_shear * shear) * (of_shear * shear)) / trial_equivalent;
-        let rise = hardening.slope * trial_equivalent / double_shear;
-        let first = 1.0 - yield_before / trial_equivalent;
-        let slope = (rise + (1.0 - first) * fall) / trial_equivalent;
-        let start = Start { start: 0.0, first, guess: first / slope.max(0.1 * fall / trial_equivalent) };
-        let returned = nearby_state(start, f64::INFINITY, 1e-13, outside);
+        let outside = |flow: f64| path.outside::<false>(flow);
+        let returned = nearby_state(path.start(), f64::INFINITY, TOLERANCE, outside);
         let (flow, (end, strain_after)) = returned.unwrap_or((f64::INFINITY, ([0.0; 3], f64::NAN)));
         point.state[STRAIN] = strain_after;
-        // Plastic strain in the axes of the material; it takes twice the shear modulus times itself from the stress.
-        let of = |i: usize| flow * self.factors[i] * end[i] / double_shear;
-        let [of_a, of_b] = [of(0), of(1)];
-        let normal = |i: usize| of_a * a[i] + of_b * b[i];
-        point.plastic = rotate([normal(0), normal(1), normal(2), of(2)], [cosine, sine]);
+        point.plastic = path.plastic(flow, end, rotation);
         for (stress, plastic) in point.stress.iter_mut().zip(point.plastic) {
-            *stress -= double_shear * plastic;
+            *stress -= 2.0 * self.moduli.shear * plastic;
         }
+    }
+}
+
+/// Values of the yield function, over the yield stress, that are zero.
+const TOLERANCE: f64 = 1e-13;
+
+/// Path of the return of a trial stress.
+#[derive(Clone, Copy)]
+struct HillPath<'a> {
+    law: &'a HillPotential,
+    trial: Components,
+    equivalent: f64,
+    strain_before: f64,
+    hardening: TableLine<'a>,
+}
+
+/// Methods with `LINE` use the line of the table alone, also beyond its end, as loops over lanes need.
+impl HillPath<'_> {
+    #[inline(always)] // Into the return of each point.
+    fn is_outside(&self) -> bool {
+        self.equivalent > self.hardening.value * (1.0 + 1e-14)
+    }
+
+    /// Returns the yield function over the equivalent stress after flow, with the components and the strain there. Nearly
+    /// linear in the flow, also for large increments.
+    #[inline(always)] // Likewise.
+    fn outside<const LINE: bool>(&self, flow: f64) -> (f64, (Components, f64)) {
+        let end = self.law.reduced(self.trial, flow);
+        let equivalent = self.law.equivalent(end);
+        let strain = self.strain_before + flow * equivalent * (0.5 / self.law.moduli.shear);
+        (1.0 - self.hardening.value_at::<LINE>(strain) / equivalent, (end, strain))
+    }
+
+    /// Returns where the flow starts.
+    #[inline(always)] // Likewise.
+    fn start(&self) -> Start {
+        // The derivative of the equivalent stress q by the flow is -sum(f² s²)/q.
+        let ([of_a, of_b, of_shear], [a, b, shear]) = (self.law.factors, self.trial);
+        let squares = (of_a * a) * (of_a * a) + (of_b * b) * (of_b * b);
+        let fall = (squares + 2.0 * (of_shear * shear) * (of_shear * shear)) / self.equivalent;
+        let rise = self.hardening.slope * self.equivalent * (0.5 / self.law.moduli.shear);
+        let first = 1.0 - self.hardening.value / self.equivalent;
+        let slope = (rise + (1.0 - first) * fall) / self.equivalent;
+        let least = 0.1 * fall / self.equivalent;
+        Start { start: 0.0, first, guess: first / if slope > least { slope } else { least } }
+    }
+
+    /// Returns the plastic strain after flow, along the global axes. It takes twice the shear modulus times itself from the
+    /// stress.
+    #[inline(always)] // Likewise.
+    fn plastic(&self, flow: f64, end: Components, [cosine, sine]: [f64; 2]) -> [f64; 4] {
+        let size = flow * (0.5 / self.law.moduli.shear);
+        let [of_a, of_b, shear] = [0, 1, 2].inline_map(|i: usize| size * self.law.factors[i] * end[i]);
+        let [a, b] = self.law.directions;
+        let [rr, zz, hoop] = [0, 1, 2].inline_map(|i: usize| of_a * a[i] + of_b * b[i]);
+        rotate([rr, zz, hoop, shear], [cosine, sine])
+    }
+}
+
+impl HillPotential {
+    /// Returns the path of the return of a stress in a material rotated by an angle with a cosine and a sine.
+    #[inline(always)] // Likewise.
+    fn path<'a>(
+        &'a self,
+        stress: [f64; 4],
+        [cosine, sine]: [f64; 2],
+        (strain_before, hardening): (f64, TableLine<'a>),
+    ) -> HillPath<'a> {
+        let [rr, zz, hoop, shear] = rotate(stress, [cosine, -sine]);
+        let [a, b] = self.directions;
+        let trial = [rr * a[0] + zz * a[1] + hoop * a[2], rr * b[0] + zz * b[1] + hoop * b[2], shear];
+        HillPath { law: self, trial, equivalent: self.equivalent(trial), strain_before, hardening }
+    }
+
+    /// Returns the points of a block to the yield surface. Leaves to the update of a point what ends beyond the line of the
+    /// table.
+    #[inline(always)] // Into the update of a block, compiled for the instruction set of the machine.
+    pub(super) fn return_lanes(&self, states: &mut [Lanes], angles: &Lanes, points: &mut ReturnedPoints) {
+        let (lines, zero) = (self.hardening.lines(&states[STRAIN]), [0.0; LANES]);
+        let (limit, tolerance) = ([f64::INFINITY; LANES], [TOLERANCE; LANES]);
+        let mut starts = LaneStarts { start: zero, first: zero, guess: zero, limit, tolerance, open: points.open };
+        let (mut trials, mut equivalents, mut rotations) = ([zero; 3], zero, [zero; 2]);
+        for l in 0..LANES {
+            let rotation = cos_sin_of(angles[l]);
+            let path = self.path(points.trial(l).stress(), rotation, (states[STRAIN][l], lines.of(l)));
+            let start = path.start();
+            (starts.first[l], starts.guess[l]) = (start.first, start.guess);
+            starts.open[l] &= u64::from(path.is_outside());
+            ([rotations[0][l], rotations[1][l]], equivalents[l]) = (rotation, path.equivalent);
+            [trials[0][l], trials[1][l], trials[2][l]] = path.trial;
+        }
+        points.stay_elastic();
+        if !any(&starts.open) {
+            return;
+        }
+        let (strains, mut ends) = (states[STRAIN], zero);
+        let paths = LanePaths { strains, lines, trials, equivalents };
+        let (flows, failed) = lane_roots(
+            &starts,
+            #[inline(always)]
+            |flows| {
+                let mut values = zero;
+                for l in 0..LANES {
+                    values[l] = paths.of(self, l).outside::<true>(flows[l]).0;
+                }
+                values
+            },
+        );
+        for l in 0..LANES {
+            let path = paths.of(self, l);
+            let (_, (end, strain)) = path.outside::<true>(flows[l]);
+            let is_returned = starts.open[l] & (1 - failed[l]) & u64::from(path.hardening.holds_at(strain));
+            let plastic = path.plastic(flows[l], end, [rotations[0][l], rotations[1][l]]);
+            let plastic = plastic.inline_map(|part| if is_returned == 1 { part } else { 0.0 });
+            let elastic = column(&points.stress, l);
+            let stress = [0, 1, 2, 3].inline_map(|i: usize| elastic[i] - 2.0 * self.moduli.shear * plastic[i]);
+            put_column(&mut points.stress, l, stress);
+            put_column(&mut points.plastic, l, plastic);
+            points.open[l] = starts.open[l] & (1 - is_returned);
+            ends[l] = if is_returned == 1 { strain } else { paths.strains[l] };
+        }
+        states[STRAIN] = ends;
+    }
+}
+
+/// Paths of the lanes of a block.
+struct LanePaths<'a> {
+    strains: Lanes,
+    lines: TableLines<'a>,
+    trials: [Lanes; 3],
+    equivalents: Lanes,
+}
+
+impl<'a> LanePaths<'a> {
+    #[inline(always)] // Likewise.
+    fn of(&self, law: &'a HillPotential, l: usize) -> HillPath<'a> {
+        let (trial, equivalent) = ([self.trials[0][l], self.trials[1][l], self.trials[2][l]], self.equivalents[l]);
+        HillPath { law, trial, equivalent, strain_before: self.strains[l], hardening: self.lines.of(l) }
     }
 }
 

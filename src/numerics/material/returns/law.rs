@@ -1,9 +1,24 @@
 //! Interface of laws that return an elastic trial stress to a yield surface, evaluated one material point at a time.
 
+use super::concrete::ConcreteDamagedPlasticity;
+use super::drucker_prager::DruckerPrager;
+use super::hill::HillPotential;
+use super::porous_metal::PorousMetal;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::{mises, pressure};
 use crate::variables::VariableComponent;
+
+/// Laws that are evaluated in the lanes of a block.
+#[derive(Clone, Copy)]
+pub enum LaneLaw<'a> {
+    /// None: point by point.
+    None,
+    DruckerPrager(&'a DruckerPrager),
+    Concrete(&'a ConcreteDamagedPlasticity),
+    PorousMetal(&'a PorousMetal),
+    Hill(&'a HillPotential),
+}
 
 /// A law with elastic moduli and a yield surface. It knows neither elements nor blocks; the state of a point is a list of
 /// scalars.
@@ -44,6 +59,11 @@ pub trait StressReturn: Send + Sync {
     /// Returns the recoverable energy per current volume of a stress and state.
     fn recoverable_energy(&self, stress: [f64; 4], _state: &[f64]) -> f64 {
         self.moduli().energy(stress)
+    }
+
+    /// Returns the law for loops over the lanes of a block; other laws are updated point by point.
+    fn lanes(&self) -> LaneLaw<'_> {
+        LaneLaw::None
     }
 
     /// Updates state and stress over an increment.
@@ -175,12 +195,8 @@ impl<'a> ReturnPoint<'a> {
     /// given dilation. Equation (20.1).
     #[inline]
     pub fn return_to_deviator(&mut self, pressure: f64, deviator: [f64; 4], dilation: f64) {
-        let (per_shear, third) = (1.0 / (2.0 * self.moduli.shear), dilation * (1.0 / 3.0));
-        for (i, part) in deviator.into_iter().enumerate() {
-            let (mean, volumetric) = if i < 3 { (-pressure, third) } else { (0.0, 0.0) };
-            self.stress[i] = mean + part;
-            self.plastic[i] = (self.trial.deviator[i] - part) * per_shear + volumetric;
-        }
+        let per_shear = 1.0 / (2.0 * self.moduli.shear);
+        (self.stress, self.plastic) = returned(self.trial.deviator, (pressure, deviator), dilation, per_shear);
     }
 
     /// Replaces the recoverable energy of the pressure (per initial volume, a state). The work of the pressure beyond its
@@ -197,12 +213,30 @@ impl<'a> ReturnPoint<'a> {
     }
 }
 
+/// Returns stress and plastic strain of a return of a trial deviator to a pressure and a deviator with a dilation, for one
+/// over twice the shear modulus. Equation (20.1).
+#[inline(always)] // Into the return of each point.
+pub fn returned(
+    trial: [f64; 4],
+    (pressure, deviator): (f64, [f64; 4]),
+    dilation: f64,
+    per_shear: f64,
+) -> ([f64; 4], [f64; 4]) {
+    let third = dilation * (1.0 / 3.0);
+    let [rr, zz, hoop, rz] = deviator;
+    let [a, b, c, d] = [0, 1, 2, 3].inline_map(|i| (trial[i] - deviator[i]) * per_shear);
+    // A sum with zero is never a negative zero.
+    ([rr - pressure, zz - pressure, hoop - pressure, rz + 0.0], [a + third, b + third, c + third, d + 0.0])
+}
+
 /// Returns the determinant of a tensor rr, zz, hoop, rz.
+#[inline(always)] // Into the return of each point.
 pub fn determinant(tensor: [f64; 4]) -> f64 {
     tensor[2] * (tensor[0] * tensor[1] - tensor[3] * tensor[3])
 }
 
 /// Returns the double contraction of two tensors rr, zz, hoop, rz.
+#[inline(always)] // Likewise.
 pub fn contraction(a: [f64; 4], b: [f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + 2.0 * a[3] * b[3])
 }

@@ -6,6 +6,7 @@
 pub mod cap;
 pub mod compression;
 pub mod concrete;
+pub mod concrete_lanes;
 pub mod concrete_return;
 pub mod concrete_tables;
 #[cfg(test)]
@@ -15,8 +16,11 @@ pub mod eos_solid;
 pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
+pub mod lane_roots;
 pub mod law;
 pub mod path;
+pub mod points;
+pub mod porous_lanes;
 pub mod porous_metal;
 pub mod porous_return;
 pub mod root;
@@ -25,12 +29,12 @@ pub mod spall;
 use super::carried::CarriedState;
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn, put_column};
-use crate::kernel::moduli::ElasticModuli;
-use crate::kernel::stress::mises;
+use crate::kernel::lanes::{LANES, Lanes, column, inline_from_fn, put_column};
 use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
-use law::{ReturnPoint, StressReturn, TrialStress, contraction};
+use lane_roots::any;
+use law::{LaneLaw, ReturnPoint, StressReturn};
+use points::ReturnedPoints;
 
 /// Material of a law that returns an elastic trial stress.
 pub struct ReturnMaterial {
@@ -87,7 +91,8 @@ impl Material for ReturnMaterial {
         if strain.dt == 0.0 {
             return;
         }
-        let mut points = ReturnedPoints::begin(moduli, strain);
+        let mut points = ReturnedPoints::zero();
+        points.begin(moduli, strain, &state.active);
         self.return_points(state, strain, &mut points);
         update.deleted += points.finish(stress, strain, update, self.law.holds_pressure());
     }
@@ -134,113 +139,42 @@ pub fn characteristic_length(area: f64, corners: [[f64; 4]; 2]) -> f64 {
 /// Largest number of states of a law.
 const MOST_STATES: usize = 16;
 
-/// Trial stresses of the points of a block, then the results of the law.
-struct ReturnedPoints {
-    pressure: Lanes,
-    deviator: [Lanes; 4],
-    mises: Lanes,
-    stress: [Lanes; 4],
-    plastic: [Lanes; 4],
-    /// Energies per current volume: of compaction and of damage.
-    compacted: Lanes,
-    lost: Lanes,
-    bulk: Lanes,
-    shear: Lanes,
-    /// 0 for a point that is deleted in this increment; 1 otherwise.
-    kept: Lanes,
-}
-
-impl ReturnedPoints {
-    /// Computes the trial stresses.
-    #[inline(always)] // Likewise.
-    fn begin(moduli: ElasticModuli, strain: &StrainIncrement) -> ReturnedPoints {
-        let [pressure, mises, zero] = [[0.0; LANES]; 3];
-        let (deviator, none) = ([zero; 4], [zero; 4]);
-        let [bulk, shear, kept] = [[moduli.bulk; LANES], [moduli.shear; LANES], [1.0; LANES]];
-        let (stress, plastic, compacted, lost) = (none, none, zero, zero);
-        let mut points =
-            ReturnedPoints { pressure, deviator, mises, stress, plastic, compacted, lost, bulk, shear, kept };
-        for l in 0..LANES {
-            let trial = TrialStress::elastic(column(&strain.carried, l), column(&strain.strain, l), moduli);
-            put_column(&mut points.deviator, l, trial.deviator);
-            (points.pressure[l], points.mises[l]) = (trial.pressure, trial.mises);
-        }
-        points
-    }
-
-    /// Stores stresses, moduli and energies of the block. Returns the number of deleted points. The recoverable energy of a
-    /// stress is per current volume, so that the volume change of plastic flow takes a part of the plastic work; a law that
-    /// `holds_pressure` has the energy of the pressure per initial volume.
-    #[inline(always)] // Likewise.
-    fn finish(
-        &self,
-        stress: &mut [Lanes; 4],
-        strain: &StrainIncrement,
-        update: &mut StressUpdate,
-        holds_pressure: bool,
-    ) -> usize {
-        let [per_bulk, per_shear] =
-            [if holds_pressure { 0.0 } else { 0.5 / strain.moduli.bulk }, 0.5 / (3.0 * strain.moduli.shear)];
-        for l in 0..LANES {
-            let (new, plastic) = (column(&self.stress, l), column(&self.plastic, l));
-            let carried = column(&strain.carried, l);
-            let both = [0, 1, 2, 3].inline_map(|i: usize| 0.5 * (carried[i] + new[i]));
-            let (volume, work) = (strain.volume[l], contraction(both, column(&strain.strain, l)));
-            update.internal[l] += volume * work;
-            // The force of a deleted element ends with its stress: its elastic energy and the work of the increment are lost.
-            let is_kept = self.kept[l] > 0.0;
-            let by_deletion = if is_kept { 0.0 } else { work };
-            let lost = self.lost[l] + by_deletion;
-            let flow = contraction(plastic, plastic);
-            let mean = TrialStress::of(both);
-            let recoverable = per_bulk * mean.pressure * mean.pressure + per_shear * mean.mises * mean.mises;
-            let by_volume = recoverable * (strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l]);
-            let kept_by_volume = if flow > 0.0 { by_volume } else { 0.0 };
-            let spent = contraction(both, plastic) + self.compacted[l] - kept_by_volume;
-            let spent = if is_kept { spent } else { 0.0 };
-            update.dissipated[l] += volume * (spent + lost);
-            update.damaged[l] += volume * lost;
-            update.flow[l] = flow;
-            let trial = mises(column(&update.deviator, l));
-            let end = TrialStress::of(new);
-            put_column(&mut update.plastic, l, plastic);
-            put_column(&mut update.deviator, l, end.deviator);
-            put_column(stress, l, new);
-            let quotient = end.mises / trial;
-            let ratio = if trial > 0.0 { quotient } else { 1.0 };
-            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
-            // The constants of the elements contain the shear modulus.
-            update.bulk[l] = self.bulk[l] + 4.0 / 3.0 * (self.shear[l] - strain.moduli.shear);
-            update.shear[l] = self.shear[l];
-        }
-        // Apart from the loop over lanes: a sum of numbers is not reordered, which would keep that loop scalar.
-        self.kept.iter().filter(|kept| **kept == 0.0).count()
-    }
-}
-
 impl ReturnMaterial {
     /// Evaluates the law at the points of active elements.
+    #[inline(always)] // Compiled for the instruction set of the machine.
     fn return_points(&self, state: &mut ReturnState, strain: &StrainIncrement, points: &mut ReturnedPoints) {
+        for l in 0..LANES {
+            state.angle[l] += if points.live[l] == 1 { strain.spin[l] } else { 0.0 };
+        }
+        match self.law.lanes() {
+            LaneLaw::None => (),
+            LaneLaw::DruckerPrager(law) => law.return_lanes(&mut state.states, points),
+            LaneLaw::PorousMetal(law) => law.return_lanes(&mut state.states, points),
+            LaneLaw::Hill(law) => law.return_lanes(&mut state.states, &state.angle, points),
+            LaneLaw::Concrete(law) => law.return_lanes(&mut state.states, &state.length, strain, points),
+        }
+        if any(&points.open) {
+            self.return_open_points(state, strain, points);
+        }
+    }
+
+    /// Evaluates the law point by point.
+    #[inline(never)]
+    fn return_open_points(&self, state: &mut ReturnState, strain: &StrainIncrement, points: &mut ReturnedPoints) {
         let moduli = self.law.moduli();
         let mut values = [0.0; MOST_STATES];
         let values = &mut values[..state.states.len()];
         for l in 0..strain.count {
-            if state.active[l] == 0.0 {
+            if points.open[l] == 0 {
                 continue;
             }
             for (value, list) in values.iter_mut().zip(&state.states) {
                 *value = list[l];
             }
-            state.angle[l] += strain.spin[l];
-            let trial = TrialStress {
-                pressure: points.pressure[l],
-                deviator: column(&points.deviator, l),
-                mises: points.mises[l],
-            };
             let mut point = ReturnPoint {
                 strain: column(&strain.strain, l),
                 carried: column(&strain.carried, l),
-                trial,
+                trial: points.trial(l),
                 angle: state.angle[l],
                 dt: strain.dt,
                 length: state.length[l],

@@ -1,8 +1,8 @@
 //! Porous metal plasticity (Gurson 1977, J. Eng. Mater. Technol. 99, 2; Tvergaard and Needleman 1984, Acta Metall. 32,
 //! 157; ABAQUS Analysis User's Guide, "Porous metal plasticity").
 
-use super::law::{ReturnPoint, StressReturn};
-use super::porous_return::{PorousIncrement, TOLERANCE};
+use super::law::{LaneLaw, ReturnPoint, StressReturn};
+use super::porous_return::{PorousConstants, PorousIncrement, TOLERANCE};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::transcendental::exp_of;
@@ -57,27 +57,26 @@ pub struct PorousMetal {
 }
 
 /// States: equivalent plastic strain of the matrix, void volume fraction, relative density.
-const STRAIN: usize = 0;
-const VOIDS: usize = 1;
-const DENSITY: usize = 2;
+pub(super) const STRAIN: usize = 0;
+pub(super) const VOIDS: usize = 1;
+pub(super) const DENSITY: usize = 2;
 
 impl PorousMetal {
-    /// Returns the effective void volume fraction f*, and its derivative. It stays so far below the fraction without
-    /// strength that a small yield surface remains. Equation (20.32).
-    #[inline(always)] // Into the return of each point.
-    pub(super) fn effective(&self, voids: f64) -> [f64; 2] {
+    /// Returns the constants of returns.
+    pub(super) fn constants(&self) -> PorousConstants {
         let [q1, _, q3] = self.constants;
         // The yield surface vanishes at the smaller root of 1 + q3 f² = 2 q1 f; coalescence leads to the larger one.
         let sum = q1 + (q1 * q1 - q3).max(0.0).sqrt();
-        let most = 0.999 / sum;
-        let [value, slope] = match self.failure {
-            Some(VoidFailure { critical, failure }) if voids > critical && failure > critical => {
-                let slope = (sum / q3 - critical) / (failure - critical);
-                [critical + slope * (voids - critical), slope]
+        let [critical, coalescence] = match self.failure {
+            Some(VoidFailure { critical, failure }) if failure > critical => {
+                [critical, (sum / q3 - critical) / (failure - critical)]
             }
-            _ => [voids, 1.0],
+            _ => [f64::INFINITY, 1.0],
         };
-        if value > most { [most, 0.0] } else { [value, slope] }
+        let &PorousMetal { constants, moduli, nucleation, .. } = self;
+        let [per_bulk, per_shear3] = [1.0 / moduli.bulk, 1.0 / (3.0 * moduli.shear)];
+        let most = 0.999 / sum;
+        PorousConstants { constants, moduli, per_bulk, per_shear3, nucleation, critical, coalescence, most }
     }
 }
 
@@ -111,6 +110,10 @@ impl StressReturn for PorousMetal {
         self.failure.is_some()
     }
 
+    fn lanes(&self) -> LaneLaw<'_> {
+        LaneLaw::PorousMetal(self)
+    }
+
     fn update(&self, point: &mut ReturnPoint<'_>) {
         let trial = point.trial;
         let strain = point.state[STRAIN];
@@ -121,12 +124,13 @@ impl StressReturn for PorousMetal {
             mises: trial.mises,
             mean: -trial.pressure,
         };
-        let first = self.trial(&before);
+        let law = self.constants();
+        let first = law.trial(&before);
         // A NaN is not returned, so that the run halts.
         if first.excess.is_nan() || first.excess <= TOLERANCE {
             return point.stay_elastic();
         }
-        let end = self.newton(&before, first).unwrap_or_else(|| self.bracketed(&before));
+        let end = law.newton(&before, first).unwrap_or_else(|| law.bracketed(&before));
         point.state[STRAIN] = end.strain;
         point.state[VOIDS] = end.voids;
         point.state[DENSITY] = 1.0 - end.voids;
@@ -185,7 +189,7 @@ mod tests {
             let (strain, voids) = (state[STRAIN], state[VOIDS]);
             let hardening = law.hardening.line(strain);
             let before = PorousIncrement { strain, hardening, voids, mises: end.mises, mean: -end.pressure };
-            let excess = law.trial(&before).excess;
+            let excess = law.constants().trial(&before).excess;
             assert!(excess.abs() < 1e-6 && state[STRAIN] > 0.0, "{volume} {shear}: {excess}");
             assert_eq!(deleted, voids >= 0.25);
         }
