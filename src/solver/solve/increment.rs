@@ -104,6 +104,9 @@ const STIFFEST: f64 = 100.0;
 /// Fraction of the largest speed, in units of the resolution, below which a body with six degrees of freedom under
 /// resistance is at rest.
 const SLOW: f64 = 0.1;
+/// Number of increments between two points of amplitudes up to which all have the same length, from the second such interval on. A
+/// pattern of long and short increments with this period could excite vibrations of the mesh (parametric resonance).
+const FEW: f64 = 8.0;
 /// Fraction by which the last increment of a step may exceed the chosen length.
 const SLIVER: f64 = 1e-3;
 
@@ -175,6 +178,9 @@ pub struct IncrementController {
     resolution: f64,
     largest: f64,
     free: f64,
+    /// Step time of the last point of an amplitude at which an increment ends, and the time between the last two.
+    last_point: f64,
+    last_interval: f64,
     /// Largest speed of each body so far.
     speed: Vec<f64>,
 }
@@ -195,6 +201,8 @@ impl IncrementController {
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
+            last_point: 0.0,
+            last_interval: f64::INFINITY,
             speed: bodies.iter().map(BodyState::speed).collect(),
         }
     }
@@ -230,10 +238,13 @@ impl IncrementController {
                 next.bound(self.most, IncrementLimiter::Longest);
                 let view = run.view();
                 for load in &state.loads {
-                    next.shorten(load.max_increment(&view), || IncrementLimiter::Effect(load.effect()));
+                    let limit = self.even_limit(load.max_increment(&view), next.length, run);
+                    next.shorten(limit, || IncrementLimiter::Effect(load.effect()));
                 }
                 for constraint in &state.constraints {
                     let limit = constraint.max_increment(&view.clock);
+                    let is_contact = constraint.as_kind::<ContactConstraint>().is_some();
+                    let limit = if is_contact { limit } else { self.even_limit(limit, next.length, run) };
                     next.shorten(limit, || IncrementLimiter::Effect(constraint.effect()));
                 }
             }
@@ -241,6 +252,23 @@ impl IncrementController {
         self.fit_step(&mut next, remaining);
         end_at_rest(&mut next, bodies, SLOW * self.resolution);
         next
+    }
+
+    /// Returns the limit by a load or prescribed motion for an increment of at most `length`. If few increments of elements are between
+    /// points of amplitudes, they have the same length.
+    #[inline]
+    fn even_limit(&mut self, limit: IncrementLimit, length: f64, run: &RunState<'_>) -> IncrementLimit {
+        if limit.jump || !limit.time.is_finite() || run.state.elements.is_empty() {
+            return limit;
+        }
+        let (now, rest) = (run.now.step_time, limit.time);
+        let interval = now - self.last_point + rest;
+        if rest <= length {
+            (self.last_point, self.last_interval) = (now + rest, interval);
+        } else if interval.max(self.last_interval) < FEW * length {
+            return IncrementLimit { time: rest / (rest / length).ceil(), ..limit };
+        }
+        limit
     }
 
     /// Returns the increment with the limits of stability, and of heat if temperatures are solved for.
