@@ -64,8 +64,6 @@ mod remeshing;
 mod remeshing_contact;
 mod remeshing_effects;
 mod remeshing_loads;
-mod remeshing_loads;
-mod remeshing_shared_nodes;
 mod remeshing_shared_nodes;
 mod resistance;
 mod rigid;

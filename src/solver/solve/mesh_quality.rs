@@ -119,7 +119,8 @@ impl MeshQuality {
     /// Sets the next check after a new mesh could not be made at an increment. The body keeps its mesh twice as long each time, so that
     /// attempts do not cost more than the run.
     pub(super) fn pause(&mut self, increment: u64, frequency: u64) {
-        self.next = increment + PAUSE * (frequency << self.failures.min(MOST_DOUBLINGS));
+        let checks = PAUSE << self.failures.min(MOST_DOUBLINGS);
+        self.next = increment.saturating_add(frequency.saturating_mul(checks));
         self.failures += 1;
     }
 
