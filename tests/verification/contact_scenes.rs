@@ -209,7 +209,7 @@ fn momentum_at_start(ran: &DeckRun) -> f64 {
 }
 
 /// Runs a rigid nose with the given corners, from the top to the axis, and a mass, at 60 m/s into a block of E = 70 GPa
-/// and yield stress 0.3 GPa; mm, t, s.
+/// and yield stress 0.3 GPa, which keeps its mesh; mm, t, s.
 fn run_nose(mass: f64, corners: &[[f64; 2]], cells: usize) -> DeckRun {
     let place = |i: usize, j: usize| [10.0 * i as f64 / cells as f64, 10.0 * (j as f64 / cells as f64 - 1.0)];
     let point = format!("*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n {mass:e},\n");
@@ -217,7 +217,7 @@ fn run_nose(mass: f64, corners: &[[f64; 2]], cells: usize) -> DeckRun {
         + &rigid_line("NOSE", corners, &point)
         + &assembly(&["BLOCK", "NOSE"], "*Rigid Body, ref node=NOSE.REF, elset=NOSE.E\n")
         + &elastic("BLOCK", [70e3, 0.3, 2.7e-9], "*Plastic\n 300., 0.\n 400., 1.\n")
-        + "*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n NOSE.REF, 2, -6e4\n*Step\n*Dynamic, Explicit\n , 5e-5\n"
+        + "*Remesh, automatic=NO\n*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n NOSE.REF, 2, -6e4\n*Step\n*Dynamic, Explicit\n , 5e-5\n"
         + WHOLE_VISCOSITY
         + "*Boundary\n BLOCK.J0, 2, 2\n*Contact Pair, interaction=DRY\n NOSE.SKIN, BLOCK.J1\n\
            *Output, field, number interval=20\n*Node Output\n U\n*Output, history, frequency=1\n*Node Output, nset=NOSE.REF\n A2, V2, U2\n\

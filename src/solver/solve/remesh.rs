@@ -186,21 +186,25 @@ pub(super) fn next_mesh(
         pause(run, body, remesh);
         return Ok(None);
     };
-    let failed = |reason: String| HaltReason::NewMesh(HaltDetails::new(reason));
     let model = revised(&remesh.model, &revision);
     run.remesh.revisions.push(revision.clone());
-    let (plan, state) = match compiled(&model, &run.remesh.revisions, &run.current.plan.routines) {
-        Ok(compiled) => compiled,
+    let columns = run.current.plan.column_names();
+    let compiled = compiled(&model, &run.remesh.revisions, &run.current.plan.routines)
+        .map_err(|error| format!("the model with a new mesh cannot be planned: {error}"));
+    let fitting = compiled.and_then(|(plan, state)| {
+        let fits = plan.column_names() == columns;
+        let reason = || "the new mesh does not have all nodes and elements of the histories".to_owned();
+        if fits { Ok((plan, state)) } else { Err(reason()) }
+    });
+    let (plan, state) = match fitting {
+        Ok(fitting) => fitting,
         Err(_) if planned.automatic => {
             run.remesh.revisions.pop();
             pause(run, body, remesh);
             return Ok(None);
         }
-        Err(error) => return Err(failed(format!("the model with a new mesh cannot be planned: {error}"))),
+        Err(reason) => return Err(HaltReason::NewMesh(HaltDetails::new(reason))),
     };
-    if plan.column_names() != run.current.plan.column_names() {
-        return Err(failed("the new mesh does not have all nodes and elements of the histories".into()));
-    }
     run.name_limiting_element();
     let mut next = SolverRun::new(&plan, state, None);
     next.current.state.elements.use_arch(run.current.state.elements.arch());

@@ -3,7 +3,7 @@
 
 use super::concrete_return::{ConcreteConstants, ConcretePath, ConcreteSurface, tension_share};
 use super::concrete_tables::{ConcreteStrength, ConcreteTable, LARGEST_DAMAGE};
-use super::law::{LaneLaw, ReturnPoint, StressReturn, TrialStress, contraction};
+use super::law::{ReturnPoint, StressReturn, TrialStress, contraction};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::principal;
@@ -143,10 +143,6 @@ impl StressReturn for ConcreteDamagedPlasticity {
 
     fn recoverable_energy(&self, stress: [f64; 4], state: &[f64]) -> f64 {
         self.moduli.energy(stress) / (1.0 - state[DEGRADATION])
-    }
-
-    fn lanes(&self) -> LaneLaw<'_> {
-        LaneLaw::Concrete(self)
     }
 
     /// Equation (20.19).

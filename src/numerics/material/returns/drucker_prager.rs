@@ -1,7 +1,7 @@
 //! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
 
 use super::lane_roots::{LaneStarts, any, lane_roots};
-use super::law::{LaneLaw, ReturnPoint, StressReturn, TrialStress, contraction, determinant};
+use super::law::{ReturnPoint, StressReturn, TrialStress, contraction, determinant};
 use super::points::ReturnedPoints;
 use super::root::{Start, nearby_root, nearby_state};
 use crate::kernel::hardening::{LinearTable, RateFactor, TableLine, TableLines};
@@ -588,10 +588,6 @@ impl StressReturn for DruckerPrager {
 
     fn output(&self, part: VariableComponent) -> Option<usize> {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
-    }
-
-    fn lanes(&self) -> LaneLaw<'_> {
-        LaneLaw::DruckerPrager(self)
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {

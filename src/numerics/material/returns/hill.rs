@@ -2,7 +2,7 @@
 //! yield/creep"), with isotropic hardening. The axes r, z, hoop of the material turn with it.
 
 use super::lane_roots::{LaneStarts, any, lane_roots};
-use super::law::{LaneLaw, ReturnPoint, StressReturn};
+use super::law::{ReturnPoint, StressReturn};
 use super::points::ReturnedPoints;
 use super::root::{Start, nearby_state};
 use crate::kernel::hardening::{LinearTable, TableLine, TableLines};
@@ -92,10 +92,6 @@ impl StressReturn for HillPotential {
 
     fn output(&self, part: VariableComponent) -> Option<usize> {
         (part.variable == Variable::PlasticStrain).then_some(STRAIN)
-    }
-
-    fn lanes(&self) -> LaneLaw<'_> {
-        LaneLaw::Hill(self)
     }
 
     /// Equation (20.34).
@@ -213,7 +209,7 @@ impl HillPotential {
             return;
         }
         let (strains, mut ends) = (states[STRAIN], zero);
-        let paths = LanePaths { strains, lines, trials, equivalents };
+        let paths = HillPaths { strains, lines, trials, equivalents };
         let (flows, failed) = lane_roots(
             &starts,
             #[inline(always)]
@@ -243,14 +239,14 @@ impl HillPotential {
 }
 
 /// Paths of the lanes of a block.
-struct LanePaths<'a> {
+struct HillPaths<'a> {
     strains: Lanes,
     lines: TableLines<'a>,
     trials: [Lanes; 3],
     equivalents: Lanes,
 }
 
-impl<'a> LanePaths<'a> {
+impl<'a> HillPaths<'a> {
     #[inline(always)] // Likewise.
     fn of(&self, law: &'a HillPotential, l: usize) -> HillPath<'a> {
         let (trial, equivalent) = ([self.trials[0][l], self.trials[1][l], self.trials[2][l]], self.equivalents[l]);

@@ -1,28 +1,15 @@
 //! Interface of laws that return an elastic trial stress to a yield surface, evaluated one material point at a time.
 
-use super::concrete::ConcreteDamagedPlasticity;
-use super::drucker_prager::DruckerPrager;
-use super::hill::HillPotential;
-use super::porous_metal::PorousMetal;
+use std::any::Any;
+
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::stress::{mises, pressure};
 use crate::variables::VariableComponent;
 
-/// Laws that are evaluated in the lanes of a block.
-#[derive(Clone, Copy)]
-pub enum LaneLaw<'a> {
-    /// None: point by point.
-    None,
-    DruckerPrager(&'a DruckerPrager),
-    Concrete(&'a ConcreteDamagedPlasticity),
-    PorousMetal(&'a PorousMetal),
-    Hill(&'a HillPotential),
-}
-
 /// A law with elastic moduli and a yield surface. It knows neither elements nor blocks; the state of a point is a list of
 /// scalars.
-pub trait StressReturn: Send + Sync {
+pub trait StressReturn: Any + Send + Sync {
     /// Returns the name of the law for the ledger, with its options.
     fn describe(&self) -> String;
 
@@ -59,11 +46,6 @@ pub trait StressReturn: Send + Sync {
     /// Returns the recoverable energy per current volume of a stress and state.
     fn recoverable_energy(&self, stress: [f64; 4], _state: &[f64]) -> f64 {
         self.moduli().energy(stress)
-    }
-
-    /// Returns the law for loops over the lanes of a block; other laws are updated point by point.
-    fn lanes(&self) -> LaneLaw<'_> {
-        LaneLaw::None
     }
 
     /// Updates state and stress over an increment.

@@ -16,6 +16,7 @@ pub mod eos_solid;
 pub mod hill;
 pub mod holmquist_johnson_cook;
 pub mod johnson_holmquist;
+mod lane_law;
 pub mod lane_roots;
 pub mod law;
 pub mod path;
@@ -32,8 +33,9 @@ use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{LANES, Lanes, column, inline_from_fn, put_column};
 use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
+use lane_law::LaneLaw;
 use lane_roots::any;
-use law::{LaneLaw, ReturnPoint, StressReturn};
+use law::{ReturnPoint, StressReturn};
 use points::ReturnedPoints;
 
 /// Material of a law that returns an elastic trial stress.
@@ -146,12 +148,12 @@ impl ReturnMaterial {
         for l in 0..LANES {
             state.angle[l] += if points.live[l] == 1 { strain.spin[l] } else { 0.0 };
         }
-        match self.law.lanes() {
-            LaneLaw::None => (),
-            LaneLaw::DruckerPrager(law) => law.return_lanes(&mut state.states, points),
-            LaneLaw::PorousMetal(law) => law.return_lanes(&mut state.states, points),
-            LaneLaw::Hill(law) => law.return_lanes(&mut state.states, &state.angle, points),
-            LaneLaw::Concrete(law) => law.return_lanes(&mut state.states, &state.length, strain, points),
+        match LaneLaw::of(&*self.law) {
+            None => (),
+            Some(LaneLaw::DruckerPrager(law)) => law.return_lanes(&mut state.states, points),
+            Some(LaneLaw::PorousMetal(law)) => law.return_lanes(&mut state.states, points),
+            Some(LaneLaw::Hill(law)) => law.return_lanes(&mut state.states, &state.angle, points),
+            Some(LaneLaw::Concrete(law)) => law.return_lanes(&mut state.states, &state.length, strain, points),
         }
         if any(&points.open) {
             self.return_open_points(state, strain, points);

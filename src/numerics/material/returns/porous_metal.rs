@@ -1,7 +1,7 @@
 //! Porous metal plasticity (Gurson 1977, J. Eng. Mater. Technol. 99, 2; Tvergaard and Needleman 1984, Acta Metall. 32,
 //! 157; ABAQUS Analysis User's Guide, "Porous metal plasticity").
 
-use super::law::{LaneLaw, ReturnPoint, StressReturn};
+use super::law::{ReturnPoint, StressReturn};
 use super::porous_return::{PorousConstants, PorousIncrement, TOLERANCE};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::moduli::ElasticModuli;
@@ -108,10 +108,6 @@ impl StressReturn for PorousMetal {
 
     fn deletes(&self) -> bool {
         self.failure.is_some()
-    }
-
-    fn lanes(&self) -> LaneLaw<'_> {
-        LaneLaw::PorousMetal(self)
     }
 
     fn update(&self, point: &mut ReturnPoint<'_>) {
