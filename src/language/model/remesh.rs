@@ -512,8 +512,8 @@ fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
     }
 }
 
-/// Returns the elements outside a body that use its nodes, with each of these nodes in the numbering of the body, except point
-/// masses, springs and dashpots. `elements` are those of the body, in ascending order.
+/// Returns the pairs of an element outside a body and a node that it shares with the body, in the numbering of the body, without
+/// point masses, springs and dashpots. `elements` are those of the body, in ascending order.
 pub fn elements_at_body<'a>(
     mesh: &'a Mesh,
     body: &'a ModelBody,

@@ -130,7 +130,7 @@ mod tests {
         [[300.0, 0.0, 1.0, 1.0], [300.0, 200.0, 1.0, 0.8], [0.02, 0.0199, 1.0, 0.3], [4e8, 4e8, 0.5, 0.6]];
 
     /// The von Mises stress of a field is the fraction that returns, and at most that of the plastic moment of a
-    /// rectangular section under an axial force, 1.5 Y (1 - (q/Y)²) and not below a twentieth of it. Each field has its own
+    /// rectangular section under an axial force, 1.5 Y (1 - (q/Y)²), where the bracket is at least 1/20. Each field has its own
     /// limit, in any unit of stress.
     #[test]
     fn each_field_is_limited_to_the_plastic_moment() {

@@ -295,7 +295,7 @@ impl MeshChange<'_> {
         let velocities = transfer.velocities(&motion, (&masses, revision.unchanged), &fixed);
         let arrived = BodyMotion { masses, velocities };
         let (after, mass) = (transfer.new_mesh(), arrived.node_masses(transfer.new_mesh()));
-        let attached = [self.point_masses(), self.masses_of_others()].concat();
+        let attached = self.attached_masses();
         let nodes = &mut self.state.dofs.nodes;
         for (i, n) in self.body.nodes.iter().enumerate() {
             let ([r, z], [v_r, v_z]) = (after.points[i], arrived.velocities[i]);
@@ -303,8 +303,9 @@ impl MeshChange<'_> {
             (nodes.mass[*n], nodes.inverse_mass[*n]) = (mass[i], 1.0 / mass[i]);
         }
         let unchanged = self.copy_unchanged_nodes();
-        for (n, mass) in attached.into_iter().filter(|(n, _)| !unchanged.contains(n)) {
-            self.add_mass(n, mass);
+        let body = self.body;
+        for (i, n) in body.nodes.iter().enumerate().filter(|(_, n)| !unchanged.contains(n)) {
+            attached.get(n).into_iter().for_each(|mass| self.add_mass(i, *mass));
         }
     }
 
@@ -333,32 +334,38 @@ impl MeshChange<'_> {
         of_node.filter_map(|(n, mass)| Some((*n.filter(|n| is_of_body(n))?, mass))).collect()
     }
 
-    /// Returns the masses at nodes of the body of elements outside it.
-    fn masses_of_others(&self) -> Vec<(usize, f64)> {
-        let Some(remesh) = &self.plan.remesh else { return Vec::new() };
-        let shared = remesh.model.remeshings[self.mesh.body].shared.iter();
+    /// Returns the masses at nodes of the body that its elements do not contain: point masses, and those of elements of other bodies.
+    fn attached_masses(&self) -> FxHashMap<usize, f64> {
+        let mut masses = FxHashMap::default();
+        self.point_masses().into_iter().for_each(|(n, mass)| *masses.entry(n).or_insert(0.0) += mass);
+        let shared = self.plan.remesh.iter().flat_map(|remesh| &remesh.model.remeshings[self.mesh.body].shared);
         let shared: FxHashSet<usize> =
             shared.filter_map(|(node, _)| self.plan.places.nodes.get(node)).copied().collect();
         if shared.is_empty() {
-            return Vec::new();
+            return masses;
         }
-        let others = self.state.elements.groups.iter().enumerate().filter(|(index, _)| *index != self.body.group);
-        let elements = others.flat_map(|(_, group)| (0..group.len()).map(move |e| (group.nodes(e), group.masses(e))));
-        let corners = elements.flat_map(|(nodes, masses)| nodes.into_iter().zip(masses.to_vec()));
-        corners.map(|(n, mass)| (n as usize, mass)).filter(|(n, _)| shared.contains(n)).collect()
+        let groups = self.state.elements.groups.iter().enumerate().filter(|(index, _)| *index != self.body.group);
+        for (group, element) in groups.flat_map(|(_, group)| (0..group.len()).map(move |element| (group, element))) {
+            let corners = group.nodes(element).into_iter().zip(group.masses(element));
+            for (n, mass) in corners.filter(|(n, _)| shared.contains(&(*n as usize))) {
+                *masses.entry(n as usize).or_insert(0.0) += mass;
+            }
+        }
+        masses
     }
 
-    /// Adds a mass that new elements do not contain to a node of the new mesh. Its momentum is that on the old mesh.
-    fn add_mass(&mut self, n: usize, point: f64) {
-        let revision = self.mesh.revision;
-        let parent = self.body.nodes.iter().position(|own| *own == n).map(|i| revision.parents[i][0]);
-        let Some(parent) = parent.filter(|parent| *parent != INSIDE) else { return };
+    /// Adds a mass that new elements do not contain to a node of the body. Its momentum is that on the old mesh.
+    fn add_mass(&mut self, node: usize, added: f64) {
+        let [parent, _] = self.mesh.revision.parents[node];
+        if parent == INSIDE {
+            return;
+        }
         let velocity = self.old.dofs.nodes.velocity_now(self.old_body.nodes[parent as usize]);
-        let nodes = &mut self.state.dofs.nodes;
-        let (of_elements, mass) = (nodes.mass[n], nodes.mass[n] + point);
+        let (n, nodes) = (self.body.nodes[node], &mut self.state.dofs.nodes);
+        let (of_elements, mass) = (nodes.mass[n], nodes.mass[n] + added);
         let node = &mut nodes[n];
-        node.v_r = (of_elements * node.v_r + point * velocity[0]) / mass;
-        node.v_z = (of_elements * node.v_z + point * velocity[1]) / mass;
+        node.v_r = (of_elements * node.v_r + added * velocity[0]) / mass;
+        node.v_z = (of_elements * node.v_z + added * velocity[1]) / mass;
         (nodes.mass[n], nodes.inverse_mass[n]) = (mass, 1.0 / mass);
     }
 

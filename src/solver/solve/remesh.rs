@@ -188,16 +188,8 @@ pub(super) fn next_mesh(
     };
     let model = revised(&remesh.model, &revision);
     run.remesh.revisions.push(revision.clone());
-    let columns = run.current.plan.column_names();
-    let compiled = compiled(&model, &run.remesh.revisions, &run.current.plan.routines)
-        .map_err(|error| format!("the model with a new mesh cannot be planned: {error}"));
-    let fitting = compiled.and_then(|(plan, state)| {
-        let fits = plan.column_names() == columns;
-        let reason = || "the new mesh does not have all nodes and elements of the histories".to_owned();
-        if fits { Ok((plan, state)) } else { Err(reason()) }
-    });
-    let (plan, state) = match fitting {
-        Ok(fitting) => fitting,
+    let (plan, state) = match continuation(&model, run) {
+        Ok(continuation) => continuation,
         Err(_) if planned.automatic => {
             run.remesh.revisions.pop();
             pause(run, body, remesh);
@@ -245,6 +237,17 @@ pub(super) fn next_mesh(
     *observing = output;
     let run = DetachedRun::detach(next);
     Ok(Some(NextMesh { plan, run }))
+}
+
+/// Plans a model with a new mesh that has the columns of the histories of a run.
+fn continuation(model: &Model, run: &SolverRun<'_>) -> Result<(Box<Plan>, State), String> {
+    let old_plan = run.current.plan;
+    let (plan, state) = compiled(model, &run.remesh.revisions, &old_plan.routines)
+        .map_err(|error| format!("the model with a new mesh cannot be planned: {error}"))?;
+    if plan.column_names() != old_plan.column_names() {
+        return Err("the new mesh does not have all nodes and elements of the histories".into());
+    }
+    Ok((plan, state))
 }
 
 /// Keeps the mesh of a body for some time after no new one could be made. The first time is reported.

@@ -474,7 +474,7 @@ impl DruckerPrager {
         let strains = &mut states[STRAIN];
         match self.shape {
             _ if self.rate.is_some() => (),
-            // The compiler knows the kinds of these shapes in the loops.
+            // Each call is compiled for one form, so that its loops have no branch.
             DruckerPragerShape::Linear { friction, ratio: 1.0 } => {
                 self.return_shape(DruckerPragerShape::Linear { friction, ratio: 1.0 }, strains, points);
             }

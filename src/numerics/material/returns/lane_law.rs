@@ -1,6 +1,6 @@
 //! Laws that are evaluated for all lanes of a block at once.
 
-use std::any::{Any, TypeId};
+use std::any::Any;
 
 use super::concrete::ConcreteDamagedPlasticity;
 use super::drucker_prager::DruckerPrager;
@@ -22,17 +22,10 @@ impl<'a> LaneLaw<'a> {
     #[inline]
     pub fn of(law: &'a (dyn StressReturn + 'static)) -> Option<LaneLaw<'a>> {
         let law: &dyn Any = law;
-        let id = law.type_id();
-        if id == TypeId::of::<DruckerPrager>() {
-            law.downcast_ref().map(LaneLaw::DruckerPrager)
-        } else if id == TypeId::of::<ConcreteDamagedPlasticity>() {
-            law.downcast_ref().map(LaneLaw::Concrete)
-        } else if id == TypeId::of::<PorousMetal>() {
-            law.downcast_ref().map(LaneLaw::PorousMetal)
-        } else if id == TypeId::of::<HillPotential>() {
-            law.downcast_ref().map(LaneLaw::Hill)
-        } else {
-            None
-        }
+        let soil = law.downcast_ref().map(LaneLaw::DruckerPrager);
+        let concrete = || law.downcast_ref().map(LaneLaw::Concrete);
+        let porous_metal = || law.downcast_ref().map(LaneLaw::PorousMetal);
+        let sheet = || law.downcast_ref().map(LaneLaw::Hill);
+        soil.or_else(concrete).or_else(porous_metal).or_else(sheet)
     }
 }

@@ -10,7 +10,7 @@ use crate::material::increment::{StrainIncrement, StressUpdate};
 
 /// Trial stresses of the points of a block, then the results of the law.
 pub struct ReturnedPoints {
-    /// Lanes with an active element, and those of them that a law has not updated.
+    /// Lanes with an active element, and active lanes that no law has updated yet.
     pub(super) live: Flags,
     pub(super) open: Flags,
     pub(super) pressure: Lanes,

@@ -72,7 +72,9 @@ pub fn plan(
     let mut bodies = Vec::new();
     for (index, card) in model.remeshings.iter().enumerate() {
         let body = ModelBody::new(model, index);
-        if let Some((message, help)) = unsupported_remeshing(scene, (links, pairs), card, &body, (state, report)) {
+        let shared = SharedNodes::new(scene, &body, card, state);
+        let unsupported = unsupported_remeshing(scene, (links, pairs), card, (&body, &shared), (state, report));
+        if let Some((message, help)) = unsupported {
             report.push(Diagnostic::error("P072", message).at(card.span, "this body").help(help));
             continue;
         }
@@ -144,7 +146,7 @@ pub(super) fn unsupported_remeshing(
     scene: Scene,
     (links, pairs): (&Links, &Pairs),
     card: &Remeshing,
-    body: &ModelBody,
+    (body, shared): (&ModelBody, &SharedNodes),
     (state, report): (&State, &Report),
 ) -> Option<(String, &'static str)> {
     let name = &card.set;
@@ -175,9 +177,8 @@ pub(super) fn unsupported_remeshing(
         let message = format!("the mass of `{name}`, whose material has *EOS, is scaled");
         return Some((message, "give the mass scaling an ELSET without this body"));
     }
-    let shared = SharedNodes::new(scene, body, card, state);
-    if let Some(refusal) = shared.refusal(scene, group.properties().deletable, state) {
-        return Some((format!("elements outside `{name}` use nodes of its elements{}", refusal.0), refusal.1));
+    if let Some((what, help)) = shared.refusal(scene, group.properties().deletable, state) {
+        return Some((format!("elements outside `{name}` use nodes of its elements{what}"), help));
     }
     if state.elements.fields.is_some() && !has_uniform_fields(scene.model, &body.nodes) {
         let message = format!("prescribed temperatures or field variables differ between the nodes of `{name}`");
@@ -222,15 +223,15 @@ pub(super) fn unsupported_remeshing(
 }
 
 /// Nodes of a body that elements outside it use. New meshes keep them, and the edges between them.
-struct SharedNodes {
+pub(super) struct SharedNodes {
     /// Nodes of the body, ascending.
-    nodes: Vec<u32>,
+    pub(super) nodes: Vec<u32>,
     /// Whether all these elements are CAX4R or CAX3.
     of_quadrilaterals: bool,
 }
 
 impl SharedNodes {
-    fn new(scene: Scene, body: &ModelBody, card: &Remeshing, state: &State) -> SharedNodes {
+    pub(super) fn new(scene: Scene, body: &ModelBody, card: &Remeshing, state: &State) -> SharedNodes {
         let is_quadrilateral = |element: usize| {
             let place = scene.places.elements.get(&element);
             let topology = place.map(|place| state.elements.groups[place.0].topology());

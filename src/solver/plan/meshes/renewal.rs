@@ -2,10 +2,10 @@
 
 use crate::kernel::lists::sorted_unique;
 use crate::model::SolidSection;
-use crate::model::remesh::{ModelBody, elements_at_body};
+use crate::model::remesh::ModelBody;
 use crate::plan::meshes::adaptive::unsupported_domain;
 use crate::plan::meshes::automatic::card_of;
-use crate::plan::meshes::remesh::unsupported_remeshing;
+use crate::plan::meshes::remesh::{SharedNodes, unsupported_remeshing};
 use crate::plan::{Links, Pairs, Report, Scene, State};
 
 /// Cards that may renew the mesh of an element group.
@@ -49,8 +49,9 @@ impl MeshRenewal {
             };
             let card = card_of(model, index);
             let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
-            let refusal = unsupported_remeshing(scene, (links, pairs), &card, &body, (state, report));
-            let shares_nodes = elements_at_body(&model.mesh, &body, &card.elements).next().is_some();
+            let shared = SharedNodes::new(scene, &body, &card, state);
+            let refusal = unsupported_remeshing(scene, (links, pairs), &card, (&body, &shared), (state, report));
+            let shares_nodes = !shared.nodes.is_empty();
             let adapts = !shares_nodes && can_adapt(scene, section, &card.set, state);
             let refusal = refusal.map(|(what, help)| format!("{what}: {help}"));
             renewals[group] = MeshRenewal { refusal, adapts, shares_nodes };
